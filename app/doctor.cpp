@@ -125,7 +125,7 @@ Finding memory() {
 int doctor(std::ostream& results) {
   std::vector<Finding> findings = {{true, "chladni", show::version()},
                                    kernel(),
-                                   {true, "threads", std::to_string(thread_count())},
+                                   {true, "threads", fmt::to_string(thread_count())},
                                    memory()};
   for (const auto& worker : kWorkers) findings.push_back(found(worker));
   findings.insert(findings.end(),

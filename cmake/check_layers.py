@@ -54,8 +54,10 @@ DOORS = {
 }
 # std::to_string prints 1e-14 as 0.000000: fmt::to_string and fmt::format do not. Whole numbers only,
 # where fmt is not linked or was not yet.
-NO_STD_TO_STRING = ["base", "modal", "mesh", "fem"]
-WHOLE_NUMBERS_ONLY = ["base/atomic_file.cpp", "base/worker.cpp", "mesh/mesher/*", "mesh/patches.cpp"]
+WHOLE_NUMBERS_ONLY = ["base/atomic_file.cpp", "base/worker.cpp", "mesh/mesher/*", "mesh/patches.cpp",
+                      "io/scan.h", "io/matlab/mat_worker.cpp", "io/picture/*", "io/surface/step_worker.cpp"]
+# "avx2,fma" makes a clone for AVX2 and one for FMA, not one for both: levels of the architecture have all.
+CLONES = "base/cpu_clones.h"
 NO_SUCH_NAME = re.compile(r"util|helper|manager|common|misc|stuff")
 INCLUDE = re.compile(r'#\s*include [<"]([^>"]+)')
 
@@ -67,9 +69,11 @@ def faults_of(root):
             if NO_SUCH_NAME.search(here.stem):
                 yield f"{here}: name it after what it holds"
             for number, line in enumerate(file.read_text().splitlines(), 1):
-                if "std::to_string(" in line and room in NO_STD_TO_STRING:
+                if "std::to_string(" in line:
                     if not any(here.match(f) for f in WHOLE_NUMBERS_ONLY):
                         yield f"{here}:{number}: std::to_string hides small numbers, use fmt"
+                if "target_clones" in line and not here.match(CLONES):
+                    yield f"{here}:{number}: a clone may lack FMA, use CHLADNI_WIDE of {CLONES}"
                 if not (m := INCLUDE.match(line)):
                     continue
                 target = m[1].split("/")[0]

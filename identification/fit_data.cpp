@@ -1,5 +1,7 @@
 #include "identification/fit_data.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -118,8 +120,8 @@ Response response_of(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j) {
     const double variance = set.variance[static_cast<std::size_t>(k)](i, j);
     if (!(variance >= 0.0)) {
       throw InvalidInput("response " + response_name(set, i, j) + " at " +
-                         std::to_string(set.frequency_hz(k)) + " Hz: variance " +
-                         std::to_string(variance) + ", expected 0 or more");
+                         fmt::format("{:.6g}", set.frequency_hz(k)) + " Hz: variance " +
+                         fmt::format("{:.6g}", variance) + ", expected 0 or more");
     }
     one.variance(k) = variance;
   }
@@ -212,9 +214,9 @@ FitData fit_data(const modal::FrfSet& measured, const FitDataOptions& options) {
       options.high_hz > 0.0 ? options.high_hz : std::numeric_limits<double>::infinity();
   const double low = std::max(options.low_hz, std::numeric_limits<double>::min());
   const auto set = modal::converted(modal::band(measured, low, high), modal::FrfKind::receptance);
-  require(set.line_count() >= kFewestLines, "fit: " + std::to_string(set.line_count()) +
+  require(set.line_count() >= kFewestLines, "fit: " + fmt::to_string(set.line_count()) +
                                                 " lines above 0 Hz in the band, expected " +
-                                                std::to_string(kFewestLines) + " or more");
+                                                fmt::to_string(kFewestLines) + " or more");
   const double largest = largest_magnitude(set);
   FitData data;
   data.outputs = set.output_count();

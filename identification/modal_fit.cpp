@@ -1,5 +1,7 @@
 #include "identification/modal_fit.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -25,17 +27,17 @@ void check(const FitData& data, const Start& start, const FitOptions& options) {
           "modal fit: values, weights and channels do not fit together");
   require(
       start.residue.empty() || static_cast<Eigen::Index>(start.residue.size()) == start.pole.size(),
-      "modal fit: " + std::to_string(start.residue.size()) + " residues for " +
-          std::to_string(start.pole.size()) + " poles");
+      "modal fit: " + fmt::to_string(start.residue.size()) + " residues for " +
+          fmt::to_string(start.pole.size()) + " poles");
   require(start.pole.size() + start.rigid_count > 0, "modal fit: a start without modes");
   require(start.rigid_count <= std::min(data.outputs, data.inputs),
-          "modal fit: " + std::to_string(start.rigid_count) +
+          "modal fit: " + fmt::to_string(start.rigid_count) +
               " rigid-body modes cannot be told "
               "apart by " +
-              std::to_string(data.outputs) + " outputs and " + std::to_string(data.inputs) +
+              fmt::to_string(data.outputs) + " outputs and " + fmt::to_string(data.inputs) +
               " inputs");
   require(start.rigid_count <= Constants::most_rigid,
-          "modal fit: " + std::to_string(start.rigid_count) +
+          "modal fit: " + fmt::to_string(start.rigid_count) +
               " rigid-body modes, expected 12 or fewer");
   const auto channels = data.outputs + data.inputs;
   const auto of_mode = options.damping == Damping::general ? 2 * channels : channels + 1;
@@ -44,8 +46,8 @@ void check(const FitData& data, const Start& start, const FitOptions& options) {
       (options.residual ? (data.weight.colwise().sum().array() > 0.0).count() : 0) +
       Fitted{false, options.delay, options.delay_of}.delay_count(data.outputs, data.inputs);
   require(data.measured_count() > parameters,
-          "modal fit: " + std::to_string(data.measured_count()) + " measured numbers for " +
-              std::to_string(parameters) + " parameters");
+          "modal fit: " + fmt::to_string(data.measured_count()) + " measured numbers for " +
+              fmt::to_string(parameters) + " parameters");
   for (const auto& pole : start.pole) {
     require(pole.real() < 0.0 && pole.imag() > 0.0,
             "modal fit: a start pole is not damped or not oscillating");
@@ -196,8 +198,8 @@ Block strongest_mode(Complex pole, const Eigen::MatrixXcd& residue) {
 BlockModel start_model(const FitData& data, const Start& start, const Target& target, double scale,
                        Damping damping) {
   BlockModel model{.scale = scale, .blocks = {}, .residual = {}, .channel_delay = {}};
-  model.residual = start.constant.size() > 0 ? start.constant
-                                             : Eigen::MatrixXd::Zero(data.outputs, data.inputs);
+  model.residual =
+      start.constant.size() > 0 ? start.constant : Eigen::MatrixXd::Zero(data.outputs, data.inputs);
   const auto residues = start_residues(data, start, damping, scale);
   if (start.rigid_count > 0) {
     model.blocks.push_back(rigid_block(residues.rigid, start.rigid_count));
@@ -205,8 +207,8 @@ BlockModel start_model(const FitData& data, const Start& start, const Target& ta
   for (const auto& group : neighbours(start.pole)) {
     if (damping == Damping::general && (group.size() == 1 || !start.general.empty())) {
       for (const auto i : group) {
-        model.blocks.push_back(strongest_mode(start.pole(i) / scale,
-                                              residues.general[static_cast<std::size_t>(i)]));
+        model.blocks.push_back(
+            strongest_mode(start.pole(i) / scale, residues.general[static_cast<std::size_t>(i)]));
       }
       continue;
     }

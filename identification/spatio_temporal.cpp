@@ -1,5 +1,7 @@
 #include "identification/spatio_temporal.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -22,10 +24,10 @@ void check(const ModalFit& fit, const GainMatch& match, const PlacesOfInterest& 
               places.deviation.cols() == m && match.input_shapes.rows() == m &&
               places.residual.rows() == places.shapes.rows() &&
               places.residual.cols() == match.input_shapes.cols(),
-          "predicted responses: shapes of " + std::to_string(places.shapes.cols()) +
-              " modes, residual of " + std::to_string(places.residual.cols()) +
-              " actuators; expected " + std::to_string(m) + " and " +
-              std::to_string(match.input_shapes.cols()));
+          "predicted responses: shapes of " + fmt::to_string(places.shapes.cols()) +
+              " modes, residual of " + fmt::to_string(places.residual.cols()) +
+              " actuators; expected " + fmt::to_string(m) + " and " +
+              fmt::to_string(match.input_shapes.cols()));
   require(places.residual_deviation.size() == 0 ||
               (places.residual_deviation.rows() == places.residual.rows() &&
                places.residual_deviation.cols() == places.residual.cols()),
@@ -228,8 +230,8 @@ ComplexShapes complex_shapes_at(const GainMatch& match, const PlacesOfInterest& 
 FittedRow fitted_row(const ModalFit& fit, const GainMatch& match, const FitData& measured) {
   const auto q = match.input_shapes.cols();
   require(measured.outputs == 1 && measured.inputs == q,
-          "fitted row: " + std::to_string(measured.outputs) + " sensors by " +
-              std::to_string(measured.inputs) + " actuators, expected 1 by " + std::to_string(q));
+          "fitted row: " + fmt::to_string(measured.outputs) + " sensors by " +
+              fmt::to_string(measured.inputs) + " actuators, expected 1 by " + fmt::to_string(q));
   const auto data = undelayed(measured, input_delays(fit));
   const auto m = fit.model.mode_count();
   const auto n = (fit.complex ? 2 * m : m) + q;

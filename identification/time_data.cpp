@@ -1,5 +1,7 @@
 #include "identification/time_data.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <set>
 #include <string>
@@ -26,7 +28,7 @@ void check_finite(const Eigen::MatrixXd& samples, const std::string& record,
     for (Eigen::Index i = 0; i < samples.rows(); ++i) {
       require(std::isfinite(samples(i, j)),
               record + ", channel \"" + channels[static_cast<std::size_t>(j)].name + "\", sample " +
-                  std::to_string(i) + " is not finite");
+                  fmt::to_string(i) + " is not finite");
     }
   }
 }
@@ -35,7 +37,7 @@ void check_finite(const Eigen::MatrixXd& samples, const std::string& record,
 
 void check(const TimeData& data) {
   require(std::isfinite(data.sample_time_s) && data.sample_time_s > 0.0,
-          "time data: the sample time is " + std::to_string(data.sample_time_s) +
+          "time data: the sample time is " + fmt::format("{:.6g}", data.sample_time_s) +
               " s; expected a positive number");
   require(data.period >= 0, "time data: the period is negative");
   require(!data.records.empty(), "time data: no record");
@@ -44,7 +46,7 @@ void check(const TimeData& data) {
   check_names(data.references, "reference");
   for (std::size_t i = 0; i < data.records.size(); ++i) {
     const auto& record = data.records[i];
-    const auto name = "time data: record " + std::to_string(i + 1);
+    const auto name = "time data: record " + fmt::to_string(i + 1);
     const auto samples = record.outputs.rows();
     const auto fits = [&](const Eigen::MatrixXd& matrix, const auto& channels) {
       return matrix.rows() == samples &&
@@ -53,9 +55,9 @@ void check(const TimeData& data) {
     require(samples >= 1, name + " has no samples");
     require(fits(record.outputs, data.outputs) && fits(record.inputs, data.inputs) &&
                 fits(record.references, data.references),
-            name + " does not have the samples of " + std::to_string(data.outputs.size()) +
-                " outputs, " + std::to_string(data.inputs.size()) + " inputs and " +
-                std::to_string(data.references.size()) + " references");
+            name + " does not have the samples of " + fmt::to_string(data.outputs.size()) +
+                " outputs, " + fmt::to_string(data.inputs.size()) + " inputs and " +
+                fmt::to_string(data.references.size()) + " references");
     require(record.experiment >= 0 && record.realisation >= 0,
             name + " has a negative number of experiment or realisation");
     check_finite(record.outputs, name, data.outputs);

@@ -1,5 +1,7 @@
 #include "placement/determinant.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -28,17 +30,17 @@ void check(const DeterminantProblem& problem) {
   require(problem.rows.allFinite() && problem.prior.allFinite(),
           "layout: what a candidate sees is not finite");
   require(problem.count >= 1 && problem.count <= problem.rows.rows(),
-          "layout: " + std::to_string(problem.count) + " sites are wanted of " +
-              std::to_string(problem.rows.rows()) + " candidates");
+          "layout: " + fmt::to_string(problem.count) + " sites are wanted of " +
+              fmt::to_string(problem.rows.rows()) + " candidates");
   require(
       problem.prior.rows() == problem.rows.cols() && problem.prior.cols() == problem.rows.cols(),
       "layout: the prior does not fit the candidates");
 }
 
 [[noreturn]] void refuse_spacing(const DeterminantProblem& problem, std::size_t placed) {
-  throw InvalidInput("layout: " + std::to_string(problem.count) + " sites at least " +
-                     std::to_string(1e3 * problem.spacing) + " mm apart do not fit; " +
-                     std::to_string(placed) + " do");
+  throw InvalidInput("layout: " + fmt::to_string(problem.count) + " sites at least " +
+                     fmt::format("{:.6g}", 1e3 * problem.spacing) + " mm apart do not fit; " +
+                     fmt::to_string(placed) + " do");
 }
 
 // A random set of sites that keeps the spacing; empty if none was found.

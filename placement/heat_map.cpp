@@ -1,5 +1,7 @@
 #include "placement/heat_map.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -81,9 +83,9 @@ std::vector<ChosenPair> chosen_pairs(const Criterion& criterion, std::vector<Pai
   std::vector<ChosenPair> chosen;
   std::vector<Eigen::Index> left = allowed;
   for (int k = 0; k < count; ++k) {
-    require(!left.empty(), "placement: " + std::to_string(count) + " pairs at least " +
-                               std::to_string(1e3 * spacing) + " mm apart do not fit; " +
-                               std::to_string(k) + " do");
+    require(!left.empty(), "placement: " + fmt::to_string(count) + " pairs at least " +
+                               fmt::format("{:.6g}", 1e3 * spacing) + " mm apart do not fit; " +
+                               fmt::to_string(k) + " do");
     const HeatMap map = heat_map(criterion, ensemble, over);
     const Eigen::Index site = best_sites(map.score, position, left, 0.0, 1).front();
     chosen.push_back({site, map.score(site), map.limiting(site)});

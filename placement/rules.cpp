@@ -1,5 +1,7 @@
 #include "placement/rules.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 
@@ -118,12 +120,12 @@ std::vector<Eigen::Index> admissible(const Eigen::VectorXi& forbidden,
     }
   }
   if (!rows.empty()) return rows;
-  std::string text = "placement: no admissible site is left of " + std::to_string(forbidden.size());
+  std::string text = "placement: no admissible site is left of " + fmt::to_string(forbidden.size());
   std::string last;
   for (std::size_t r = 0; r < rules.size(); ++r) {
     if (taken[r] == 0) continue;
     text += std::string(last.empty() ? ": " : ", ") + rules[r].name + " took " +
-            std::to_string(taken[r]);
+            fmt::to_string(taken[r]);
     last = rules[r].name;
   }
   throw InvalidInput(text + (last.empty() ? "" : "; the last ones went to " + last));

@@ -1,5 +1,7 @@
 #include "placement/sites.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -134,8 +136,8 @@ Sites part(const Sites& sites, const std::vector<Eigen::Index>& rows) {
 Sampler::Sampler(const mesh::TetMesh& body, const modal::Modes& modes, Device device)
     : body_(body), modes_(modes), device_(std::move(device)), finder_(body) {
   require(modes.shapes.rows() == 3 * body.node_count(),
-          "placement: the modes have " + std::to_string(modes.shapes.rows()) +
-              " rows, expected 3 per node of the mesh: " + std::to_string(3 * body.node_count()));
+          "placement: the modes have " + fmt::to_string(modes.shapes.rows()) +
+              " rows, expected 3 per node of the mesh: " + fmt::to_string(3 * body.node_count()));
   require(!device_.direction || std::abs(device_.direction->norm() - 1.0) < 1e-9,
           "placement: the direction is no unit vector");
   require(device_.footprint >= 0.0, "placement: the footprint is negative");
@@ -196,9 +198,9 @@ Surface Sampler::surface(const std::vector<std::string>& patches) const {
 }
 
 Surface Sampler::smooth_surface(const std::vector<char>& faces) const {
-  require(std::ssize(faces) == body_.faces.rows(), "placement: " + std::to_string(faces.size()) +
+  require(std::ssize(faces) == body_.faces.rows(), "placement: " + fmt::to_string(faces.size()) +
                                                        " faces are marked, the body has " +
-                                                       std::to_string(body_.faces.rows()));
+                                                       fmt::to_string(body_.faces.rows()));
   Surface surface;
   lay_out(body_, faces, PointsPer::node, surface);
   return sampled(std::move(surface));

@@ -1,5 +1,7 @@
 #include "priors/dynamic_residual.h"
 
+#include <fmt/format.h>
+
 #include <string>
 
 #include "base/error.h"
@@ -9,8 +11,8 @@ namespace chladni::priors {
 Eigen::VectorXd coefficient_variances(const Eigen::VectorXd& frequency_hz, double real_hz,
                                       const DynamicResidual& prior) {
   const auto positive = [](double value, const char* name) {
-    require(value > 0.0, std::string("dynamic residual: ") + name + " is " + std::to_string(value) +
-                             ", expected more than 0");
+    require(value > 0.0, std::string("dynamic residual: ") + name + " is " +
+                             fmt::format("{:.6g}", value) + ", expected more than 0");
   };
   positive(real_hz, "real_hz");
   positive(prior.eta, "eta");

@@ -1,5 +1,7 @@
 #include "priors/interpolator.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 
@@ -33,13 +35,13 @@ constexpr std::array kAll{
 };
 
 std::string at(Eigen::Index place, Eigen::Index mode) {
-  return "place " + std::to_string(place + 1) + ", mode " + std::to_string(mode + 1);
+  return "place " + fmt::to_string(place + 1) + ", mode " + fmt::to_string(mode + 1);
 }
 
 void require_fitting(const Places& places, const std::string& what) {
-  const auto count = std::to_string(places.position.rows());
+  const auto count = fmt::to_string(places.position.rows());
   require(places.direction.rows() == places.position.rows(),
-          what + " have " + count + " positions and " + std::to_string(places.direction.rows()) +
+          what + " have " + count + " positions and " + fmt::to_string(places.direction.rows()) +
               " directions; expected as many");
   require(places.position.allFinite() && places.direction.allFinite() &&
               places.shapes.allFinite() && places.harmonics.allFinite(),
@@ -50,36 +52,36 @@ void require_sizes(const MeasuredShapes& measured, const Simulation& simulation)
   const auto s = measured.places.count();
   const auto m = measured.mode_count();
   const auto size = [](const Eigen::MatrixXd& a) {
-    return std::to_string(a.rows()) + "x" + std::to_string(a.cols());
+    return fmt::to_string(a.rows()) + "x" + fmt::to_string(a.cols());
   };
   require(m > 0, "interpolation: no measured shapes");
-  require(s >= 3, "interpolation: " + std::to_string(s) +
+  require(s >= 3, "interpolation: " + fmt::to_string(s) +
                       " measured place(s); expected three or more, a shape as a whole has three "
                       "unknowns already");
   for (const auto* array : {&measured.values, &measured.noise}) {
     require(array->rows() == s && array->cols() == m,
             "interpolation: values or noise are " + size(*array) + "; expected places x modes, " +
-                std::to_string(s) + "x" + std::to_string(m));
+                fmt::to_string(s) + "x" + fmt::to_string(m));
   }
   require_fitting(measured.places, "the measured places");
   require_fitting(simulation.surface, "the points of the surface");
   require(simulation.area.size() == simulation.surface.count(),
-          "interpolation: the surface has " + std::to_string(simulation.surface.count()) +
-              " points and " + std::to_string(simulation.area.size()) + " areas");
+          "interpolation: the surface has " + fmt::to_string(simulation.surface.count()) +
+              " points and " + fmt::to_string(simulation.area.size()) + " areas");
 }
 
 void require_sound_values(const MeasuredShapes& measured) {
   for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
     const double frequency = measured.frequency_hz(i);
     require(std::isfinite(frequency) && frequency >= 0.0,
-            "interpolation: mode " + std::to_string(i + 1) + " has the frequency " +
-                std::to_string(frequency) + " Hz; expected a finite one, 0 or more");
+            "interpolation: mode " + fmt::to_string(i + 1) + " has the frequency " +
+                fmt::format("{:.6g}", frequency) + " Hz; expected a finite one, 0 or more");
     for (Eigen::Index k = 0; k < measured.places.count(); ++k) {
       require(std::isfinite(measured.values(k, i)),
               "interpolation: the value at " + at(k, i) + " is not a finite number");
       require(std::isfinite(measured.noise(k, i)) && measured.noise(k, i) > 0.0,
               "interpolation: the noise at " + at(k, i) + " is " +
-                  std::to_string(measured.noise(k, i)) +
+                  fmt::format("{:.6g}", measured.noise(k, i)) +
                   "; expected a positive standard deviation");
     }
   }
@@ -100,9 +102,9 @@ void require_agreement(const MeasuredShapes& measured) {
         const double apart = std::abs(measured.values(a, i) - measured.values(b, i));
         const double noise = std::hypot(measured.noise(a, i), measured.noise(b, i));
         require(apart <= Constants::same_value * noise,
-                "interpolation: places " + std::to_string(a + 1) + " and " + std::to_string(b + 1) +
-                    " are the same point, and their values in mode " + std::to_string(i + 1) +
-                    " differ by " + std::to_string(apart / noise) +
+                "interpolation: places " + fmt::to_string(a + 1) + " and " + fmt::to_string(b + 1) +
+                    " are the same point, and their values in mode " + fmt::to_string(i + 1) +
+                    " differ by " + fmt::format("{:.6g}", apart / noise) +
                     " deviations of their noise; expected at most 8");
       }
     }
@@ -141,8 +143,8 @@ std::unique_ptr<ModeField> mode_field(const Interpolator& method, const Measured
     require(r > 0 && measured.places.shapes.cols() == r && simulation.surface.shapes.cols() == r &&
                 measured.places.shapes.rows() == measured.places.count(),
             std::string("interpolation: ") + method.name +
-                " needs the simulation's modes at every place; expected " + std::to_string(r) +
-                " columns, found " + std::to_string(measured.places.shapes.cols()));
+                " needs the simulation's modes at every place; expected " + fmt::to_string(r) +
+                " columns, found " + fmt::to_string(measured.places.shapes.cols()));
   }
   return method.fit(measured, simulation);
 }

@@ -1,5 +1,7 @@
 #include "priors/kernel.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "base/error.h"
@@ -166,19 +168,19 @@ int product_of(const Symmetry& symmetry, std::size_t g, std::size_t h) {
 void require_group(const Symmetry& symmetry) {
   const auto count = symmetry.operations.size();
   require(count > 0 && symmetry.characters.size() == count,
-          "symmetry: " + std::to_string(count) + " operations and " +
-              std::to_string(symmetry.characters.size()) + " characters; expected as many");
+          "symmetry: " + fmt::to_string(count) + " operations and " +
+              fmt::to_string(symmetry.characters.size()) + " characters; expected as many");
   for (std::size_t g = 0; g < count; ++g) {
     require(symmetry.operations[g].isUnitary(1e-9),
-            "symmetry: operation " + std::to_string(g + 1) + " is not orthogonal");
+            "symmetry: operation " + fmt::to_string(g + 1) + " is not orthogonal");
     require(std::abs(symmetry.characters[g]) == 1.0,
-            "symmetry: character " + std::to_string(g + 1) + " is " +
-                std::to_string(symmetry.characters[g]) + "; expected 1 or -1");
+            "symmetry: character " + fmt::to_string(g + 1) + " is " +
+                fmt::format("{:.6g}", symmetry.characters[g]) + "; expected 1 or -1");
     for (std::size_t h = 0; h < count; ++h) {
       const int k = product_of(symmetry, g, h);
       require(k >= 0 && symmetry.characters[static_cast<std::size_t>(k)] ==
                             symmetry.characters[g] * symmetry.characters[h],
-              "symmetry: operation " + std::to_string(g + 1) + " after " + std::to_string(h + 1) +
+              "symmetry: operation " + fmt::to_string(g + 1) + " after " + fmt::to_string(h + 1) +
                   " is none of the operations, or its character is not the product of theirs; "
                   "expected a group");
     }
@@ -187,8 +189,8 @@ void require_group(const Symmetry& symmetry) {
 
 void require_parameters(const Kernel& kernel, const Eigen::VectorXd& parameters) {
   require(parameters.size() == kernel.parameter_count(),
-          "kernel " + kernel.name() + ": " + std::to_string(parameters.size()) +
-              " hyper-parameters; expected " + std::to_string(kernel.parameter_count()));
+          "kernel " + kernel.name() + ": " + fmt::to_string(parameters.size()) +
+              " hyper-parameters; expected " + fmt::to_string(kernel.parameter_count()));
   require(parameters.allFinite() && (parameters.array() > 0.0).all(),
           "kernel " + kernel.name() + ": a hyper-parameter is not positive");
 }
@@ -226,7 +228,7 @@ Kernel symmetrised(const Kernel& kernel, const Symmetry& symmetry, double asymme
                                      " is not isotropic; a symmetrised one must be, so that an "
                                      "operation leaves it as it is");
   require(asymmetric >= 0.0 && asymmetric <= 1.0, "symmetrised kernel: the asymmetric part is " +
-                                                      std::to_string(asymmetric) +
+                                                      fmt::format("{:.6g}", asymmetric) +
                                                       "; expected 0 to 1");
   require_group(symmetry);
   return Kernel(std::make_shared<SymmetrisedPart>(kernel, symmetry, asymmetric));

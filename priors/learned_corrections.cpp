@@ -19,11 +19,11 @@ constexpr Eigen::Index kEta = 0, kKappa = 1, kGamma = 2, kFirst = 3;
 
 void require_fitting(const std::vector<Correction>& corrections, Eigen::Index r) {
   for (const auto& one : corrections) {
-    const auto rows = std::to_string(r);
+    const auto rows = fmt::to_string(r);
     for (const auto* matrix : {&one.stiffness, &one.mass}) {
       require(matrix->size() == 0 || (matrix->rows() == r && matrix->cols() == r),
-              "correction " + one.name + ": its matrices are " + std::to_string(matrix->rows()) +
-                  "x" + std::to_string(matrix->cols()) + ", the simulation has " + rows + " modes");
+              "correction " + one.name + ": its matrices are " + fmt::to_string(matrix->rows()) +
+                  "x" + fmt::to_string(matrix->cols()) + ", the simulation has " + rows + " modes");
       require(matrix->allFinite(), "correction " + one.name + ": its matrices are not finite");
     }
     require(one.deviation > 0.0 && std::isfinite(one.deviation),

@@ -1,5 +1,7 @@
 #include "priors/learning.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -22,8 +24,8 @@ struct Range {
 Range range_of(const Kernel& kernel, const Points& points, const Learning& how) {
   const auto length = how.length_range.second > 0.0 ? how.length_range : length_range(points);
   require(length.first > 0.0 && length.first < length.second,
-          "learning: the range of lengths is " + std::to_string(length.first) + " m to " +
-              std::to_string(length.second) + " m; expected two positive ones, ascending");
+          "learning: the range of lengths is " + fmt::format("{:.6g}", length.first) + " m to " +
+              fmt::format("{:.6g}", length.second) + " m; expected two positive ones, ascending");
   Range range;
   const Eigen::Index count = kernel.parameter_count() + (how.learn_noise ? 1 : 0);
   range.low.resize(count);
@@ -46,14 +48,14 @@ Range range_of(const Kernel& kernel, const Points& points, const Learning& how) 
 void require_sound(const Kernel& kernel, const Points& points, const Eigen::MatrixXd& values,
                    const Learning& how) {
   require(values.rows() == points.rows() && values.cols() > 0 && values.allFinite(),
-          "learning: " + std::to_string(values.rows()) + " values at " +
-              std::to_string(points.rows()) + " points, or one is not finite; expected as many");
+          "learning: " + fmt::to_string(values.rows()) + " values at " +
+              fmt::to_string(points.rows()) + " points, or one is not finite; expected as many");
   require(how.noise.size() == 0 ||
               (how.noise.rows() == values.rows() && how.noise.cols() == values.cols() &&
                (how.noise.array() > 0.0).all() && !how.learn_noise),
           "learning: known noise must be positive, of the size of the values, and is not learned");
   require(how.noise_ratio >= Constants::least_noise_ratio,
-          "learning: the noise ratio is " + std::to_string(how.noise_ratio) +
+          "learning: the noise ratio is " + fmt::format("{:.6g}", how.noise_ratio) +
               "; expected 1e-8 or more, lest rounding choose the length");
   require(how.priors.empty() ||
               static_cast<Eigen::Index>(how.priors.size()) == kernel.parameter_count(),
@@ -62,7 +64,7 @@ void require_sound(const Kernel& kernel, const Points& points, const Eigen::Matr
           "learning: a start of as many hyper-parameters as the kernel has is expected, or none");
   for (Eigen::Index i = 0; i < values.cols(); ++i) {
     require(values.col(i).squaredNorm() > 0.0,
-            "learning: shape " + std::to_string(i + 1) + " is zero everywhere");
+            "learning: shape " + fmt::to_string(i + 1) + " is zero everywhere");
   }
 }
 

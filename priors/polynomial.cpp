@@ -1,5 +1,7 @@
 #include "priors/polynomial.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/QR>
 #include <cmath>
 
@@ -42,8 +44,8 @@ ShapePolynomials polynomials(const Eigen::MatrixX2d& at, const Eigen::VectorXd& 
   const Eigen::Index count = (Eigen::Index{degree} + 1) * (degree + 2) / 2;
   require(
       degree >= 0 && at.rows() >= count && area.size() == at.rows() && shapes.rows() == at.rows(),
-      "polynomials: degree " + std::to_string(degree) + " needs " + std::to_string(count) +
-          " points with areas and shapes; found " + std::to_string(at.rows()));
+      "polynomials: degree " + fmt::to_string(degree) + " needs " + fmt::to_string(count) +
+          " points with areas and shapes; found " + fmt::to_string(at.rows()));
   const Eigen::RowVector2d low = at.colwise().minCoeff();
   const Eigen::RowVector2d high = at.colwise().maxCoeff();
   ShapePolynomials fitted{degree, 0.5 * (low + high), 0.5 * (high - low), {}, {}, {}, {}};

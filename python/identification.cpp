@@ -1,4 +1,6 @@
 // Responses at any place of a structure, from arrays of measured responses.
+#include <fmt/format.h>
+
 #include <pybind11/complex.h>
 #include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
@@ -25,7 +27,7 @@ std::vector<modal::MeasuredChannel> channels_at(const priors::Places& places,
   std::vector<modal::MeasuredChannel> channels;
   for (Eigen::Index i = 0; i < places.count(); ++i) {
     modal::MeasuredChannel channel;
-    channel.name = letter + std::to_string(i + 1);
+    channel.name = letter + fmt::to_string(i + 1);
     channel.position = places.position.row(i).transpose();
     channel.direction = places.direction.row(i).transpose();
     channels.push_back(std::move(channel));

@@ -196,7 +196,7 @@ io::ResultTable pairs_table(const stage::Solution& solution, const steps::BestPl
     score(i) = pair.score;
     value(i) = places.criterion->for_people(pair.score);
     frequency_hz(i) = modes.frequency_hz(column);
-    rank.push_back(std::to_string(i + 1));
+    rank.push_back(fmt::to_string(i + 1));
     shown.push_back(value_text(*places.criterion, pair.score));
     limit.push_back(
         placement::group_name(modes.frequency_hz, modes.rigid_count, places.wanted, pair.limiting));

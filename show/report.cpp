@@ -205,8 +205,8 @@ io::Section provenance_of(const study::Study& study, Run& run) {
   lines.emplace_back("sha256 of the study", origin.study);
   for (const auto& [file, digits] : origin.inputs) lines.emplace_back("sha256 of " + file, digits);
   lines.insert(lines.end(), {{"BLAS kernel", dense::blas_kernel()},
-                             {"threads", std::to_string(thread_count())},
-                             {"seed", std::to_string(run.seed())}});
+                             {"threads", fmt::to_string(thread_count())},
+                             {"seed", fmt::to_string(run.seed())}});
   for (const auto& [step, time] : run.seconds()) {
     lines.emplace_back("seconds, " + step, fmt::format("{:.2f}", time));
   }

@@ -1,5 +1,7 @@
 #include "study/problems.h"
 
+#include <fmt/format.h>
+
 #include <numeric>
 
 #include "base/error.h"
@@ -45,10 +47,10 @@ void Problems::throw_if_any() const {
     const auto& p = sorted[i];
     if (i > 0) text += '\n';
     text +=
-        file_ + ":" + std::to_string(p.line) + ":" + std::to_string(p.column) + ": " + p.message;
+        file_ + ":" + fmt::to_string(p.line) + ":" + fmt::to_string(p.column) + ": " + p.message;
   }
   if (sorted.size() > kShown) {
-    text += "\n" + file_ + ": and " + std::to_string(sorted.size() - kShown) + " more";
+    text += "\n" + file_ + ": and " + fmt::to_string(sorted.size() - kShown) + " more";
   }
   throw InvalidInput(text);
 }

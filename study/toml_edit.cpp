@@ -105,7 +105,7 @@ void TomlEdit::set(const TomlNode& table, std::string_view anchor, const std::st
                    const std::string& written, const std::string& comment) {
   if (const auto* there = member(table, key)) return replace(*there, written, comment);
   const auto* behind = member(table, anchor);
-  require(behind != nullptr, file_ + ":" + std::to_string(table.line) + ": a table has no \"" +
+  require(behind != nullptr, file_ + ":" + fmt::to_string(table.line) + ": a table has no \"" +
                                  std::string(anchor) + "\" behind which to write \"" + key + "\"");
   add_behind(*behind, key, written, comment);
 }

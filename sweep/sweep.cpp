@@ -106,7 +106,7 @@ void Sweep::check() const {
 std::vector<std::string> Sweep::arguments(const fs::path& folder) const {
   std::vector<std::string> words{
       plan_.verb,  (folder / "study.toml").string(), "-o", folder.string(), "--quiet",
-      "--threads", std::to_string(options_.threads)};
+      "--threads", fmt::to_string(options_.threads)};
   const auto allow = [&](const fs::path& other) {
     words.emplace_back("--allow-outside");
     words.push_back(fs::absolute(other).lexically_normal().string());

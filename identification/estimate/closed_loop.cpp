@@ -1,5 +1,7 @@
 #include "identification/closed_loop.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -50,14 +52,14 @@ void warn(const std::vector<Eigen::MatrixXd>& variance, ClosedLoopEstimate& resu
     const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(finite(result.sensitivity[line], "sensitivity"));
     if (svd.singularValues().minCoeff() < Constants::clear_sensitivity * deviation) ++unclear;
   }
-  const auto of = " of " + std::to_string(result.condition.size()) + " lines";
+  const auto of = " of " + fmt::to_string(result.condition.size()) + " lines";
   if (stiff > 0) {
     result.estimate.notes.push_back("the sensitivity is hard to invert (condition above 1000) on " +
-                                    std::to_string(stiff) + of);
+                                    fmt::to_string(stiff) + of);
   }
   if (unclear > 0) {
     result.estimate.notes.push_back(
-        "the sensitivity is within three deviations of singular on " + std::to_string(unclear) +
+        "the sensitivity is within three deviations of singular on " + fmt::to_string(unclear) +
         of + ": the loop takes the excitation away there; the estimate is biased");
   }
 }
@@ -88,8 +90,8 @@ std::vector<Eigen::MatrixXcd> inverted(const Transfer& mean, const std::vector<b
 ClosedLoopEstimate closed_loop_estimate(const Spectra& all, const FrfEstimateOptions& options) {
   require(!all.records.empty(), "closed loop: no record");
   require(all.references.size() == all.inputs.size(),
-          "closed loop: " + std::to_string(all.references.size()) + " references for " +
-              std::to_string(all.inputs.size()) +
+          "closed loop: " + fmt::to_string(all.references.size()) + " references for " +
+              fmt::to_string(all.inputs.size()) +
               " inputs; expected one for each (of an input that is not controlled: the input)");
   const auto spectra = excited_part(all, options);
   ClosedLoopEstimate result;

@@ -1,4 +1,6 @@
 #include "identification/delay.h"
+
+#include <fmt/format.h>
 #include "base/turn.h"
 
 #include <Eigen/QR>
@@ -161,7 +163,7 @@ DelayEstimate phase_delay(const modal::FrfSet& set, double longest_s) {
   }
   const auto n = static_cast<double>(all.size());
   result.std_s = n > 1.0 ? std::sqrt(square / (n * (n - 1.0))) : 0.0;
-  result.how = "phases of " + std::to_string(all.size()) +
+  result.how = "phases of " + fmt::to_string(all.size()) +
                " responses away from their modes; damping adds to it";
   return result;
 }
@@ -177,7 +179,7 @@ DelayEstimate delay_at_poles(const modal::FrfSet& set, const Eigen::VectorXcd& p
     Slope sum;
     for (const auto& curve : all) {
       require(2 * curve.omega.size() > pole.size() + 3,
-              "delay: fewer lines than poles: " + std::to_string(curve.omega.size()));
+              "delay: fewer lines than poles: " + fmt::to_string(curve.omega.size()));
       const auto one = slope(curve, pole, rigid_modes, delay);
       sum.gradient += one.gradient;
       sum.curvature += one.curvature;
@@ -192,11 +194,12 @@ DelayEstimate delay_at_poles(const modal::FrfSet& set, const Eigen::VectorXcd& p
     const double deviation = std::sqrt(per_number / sum.curvature);
     if (std::abs(step) <= 1e-4 * deviation || std::abs(step) <= 1e-15 + 1e-10 * std::abs(delay)) {
       return {delay, deviation,
-              std::to_string(pole.size()) + " poles with real residues in " +
-                  std::to_string(all.size()) + " responses"};
+              fmt::to_string(pole.size()) + " poles with real residues in " +
+                  fmt::to_string(all.size()) + " responses"};
     }
   }
-  throw NumericalFailure("delay: no convergence from " + std::to_string(1e6 * start_s) + " us");
+  throw NumericalFailure("delay: no convergence from " + fmt::format("{:.6g}", 1e6 * start_s) +
+                         " us");
 }
 
 modal::FrfSet without_delay(const modal::FrfSet& set, double delay_s, double hold_sample_time_s) {
@@ -205,7 +208,7 @@ modal::FrfSet without_delay(const modal::FrfSet& set, double delay_s, double hol
     const double omega = kTwoPi * set.frequency_hz(static_cast<Eigen::Index>(k));
     const double x = 0.5 * omega * hold_sample_time_s;
     require(x < 0.5 * std::numbers::pi * (1.0 + 1e-9),
-            "delay: the line at " + std::to_string(omega / kTwoPi) +
+            "delay: the line at " + fmt::format("{:.6g}", omega / kTwoPi) +
                 " Hz lies beyond half the sampling frequency");
     const double magnitude = x > 0.0 ? std::sin(x) / x : 1.0;
     result.value[k] *= std::polar(1.0 / magnitude, omega * delay_s + x);

@@ -1,5 +1,7 @@
 #include "identification/estimate/fft.h"
 
+#include <fmt/format.h>
+
 #include <fftw3.h>
 
 #include <memory>
@@ -57,8 +59,8 @@ Eigen::MatrixXcd fourier(const Eigen::Ref<const Eigen::MatrixXd>& signals) {
 
 Eigen::MatrixXd inverse_fourier(const Eigen::MatrixXcd& lines, Eigen::Index samples) {
   require(samples >= 1 && samples < (Eigen::Index{1} << 30) && lines.rows() == samples / 2 + 1,
-          "inverse Fourier transform: " + std::to_string(lines.rows()) + " lines for " +
-              std::to_string(samples) + " samples");
+          "inverse Fourier transform: " + fmt::to_string(lines.rows()) + " lines for " +
+              fmt::to_string(samples) + " samples");
   Eigen::VectorXcd column(lines.rows());
   Eigen::VectorXd signal(samples);
   const Plan plan = planned([&] {

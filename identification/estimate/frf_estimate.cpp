@@ -70,7 +70,7 @@ void fill(const Spectra& spectra, const TransferVariances& found, const FrfEstim
   set.averages =
       found.total.empty() ? 0.0 : static_cast<double>(found.total_freedom * (2 * half + 1));
   if (half > 0) {
-    estimate.notes.push_back("variances are averaged over " + std::to_string(2 * half + 1) +
+    estimate.notes.push_back("variances are averaged over " + fmt::to_string(2 * half + 1) +
                              " lines");
   }
   if (estimate.periods < 2) {
@@ -85,7 +85,8 @@ void fill(const Spectra& spectra, const TransferVariances& found, const FrfEstim
   const double sampling = 1.0 / spectra.sample_time_s;
   if (set.frequency_hz.size() > 0 &&
       set.frequency_hz.tail(1)(0) > Constants::folds_from * sampling) {
-    estimate.notes.push_back("lines above " + std::to_string(Constants::folds_from * sampling) +
+    estimate.notes.push_back("lines above " +
+                             fmt::format("{:.6g}", Constants::folds_from * sampling) +
                              " Hz lie near half the sampling frequency: what moves above it folds "
                              "onto them");
   }

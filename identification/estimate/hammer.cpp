@@ -1,5 +1,7 @@
 #include "identification/hammer.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -60,7 +62,7 @@ void look_at(const Record& record, Eigen::Index input, const Eigen::VectorXd& wi
   const Eigen::VectorXd outside = (1.0 - window.array()) * force.array();
   if (outside.maxCoeff() > Constants::double_hit * peak) {
     notes.push_back(name + ": a second hit, or noise, of " +
-                    std::to_string(100.0 * outside.maxCoeff() / peak) +
+                    fmt::format("{:.6g}", 100.0 * outside.maxCoeff() / peak) +
                     " % of the peak outside the force window");
   }
   if (windowed) return;
@@ -68,7 +70,7 @@ void look_at(const Record& record, Eigen::Index input, const Eigen::VectorXd& wi
   for (Eigen::Index i = 0; i < record.outputs.cols(); ++i) {
     const Eigen::VectorXd y = record.outputs.col(i).cwiseAbs();
     if (y.tail(end).maxCoeff() > Constants::at_rest * y.maxCoeff()) {
-      notes.push_back(name + ": output " + std::to_string(i + 1) +
+      notes.push_back(name + ": output " + fmt::to_string(i + 1) +
                       " does not end at rest; expected a longer record or an exponential window");
       return;
     }
@@ -100,7 +102,7 @@ Sums sums_of(const TimeData& data, Eigen::Index input, const Lines& lines,
     if (record.experiment != input) continue;
     const auto window =
         force_window(record.inputs.col(input), options.force_window_s, data.sample_time_s);
-    look_at(record, input, window, "record " + std::to_string(i + 1), options.exponential_s > 0.0,
+    look_at(record, input, window, "record " + fmt::to_string(i + 1), options.exponential_s > 0.0,
             notes);
     const Eigen::VectorXcd f =
         fourier(record.inputs.col(input).cwiseProduct(window).cwiseProduct(fade))(lines.index, 0);
@@ -175,8 +177,8 @@ HammerEstimate hammer_estimate(const TimeData& data, const HammerOptions& option
     require(record.outputs.rows() == data.records.front().outputs.rows(),
             "hammer: records of unequal length");
     require(record.experiment < static_cast<int>(data.inputs.size()),
-            "hammer: a record hits input " + std::to_string(record.experiment + 1) + " of " +
-                std::to_string(data.inputs.size()));
+            "hammer: a record hits input " + fmt::to_string(record.experiment + 1) + " of " +
+                fmt::to_string(data.inputs.size()));
   }
   const auto lines = lines_of(data, options);
   HammerEstimate result;
@@ -190,7 +192,7 @@ HammerEstimate hammer_estimate(const TimeData& data, const HammerOptions& option
   result.h2 = result.h1;
   const auto half = lines_for_freedom(static_cast<Eigen::Index>(fewest) - 1);
   if (half > 0) {
-    result.notes.push_back("variances are averaged over " + std::to_string(2 * half + 1) +
+    result.notes.push_back("variances are averaged over " + fmt::to_string(2 * half + 1) +
                            " lines");
   }
   for (std::size_t j = 0; j < all.size(); ++j) {
@@ -209,8 +211,8 @@ Eigen::VectorXcd true_poles(const Eigen::VectorXcd& fitted, double added_decay) 
   const Eigen::VectorXcd result = fitted.array() + added_decay;
   for (const auto& pole : result) {
     require(pole.real() < 0.0,
-            "hammer: a pole decays by " + std::to_string(added_decay - pole.real()) +
-                " /s, less than the window adds: " + std::to_string(added_decay) + " /s");
+            "hammer: a pole decays by " + fmt::format("{:.6g}", added_decay - pole.real()) +
+                " /s, less than the window adds: " + fmt::format("{:.6g}", added_decay) + " /s");
   }
   return result;
 }

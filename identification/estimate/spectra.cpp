@@ -1,5 +1,7 @@
 #include "identification/estimate/spectra.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -30,12 +32,12 @@ void check_periods(const TimeData& data) {
           "data are estimated with H1 or H2)");
   for (std::size_t i = 0; i < data.records.size(); ++i) {
     const auto samples = data.records[i].outputs.rows();
-    require(samples >= data.period && samples % data.period == 0,
-            "time data: record " + std::to_string(i + 1) + " has " + std::to_string(samples) +
-                " samples, " +
-                std::to_string(static_cast<double>(samples) / static_cast<double>(data.period)) +
-                " periods of " + std::to_string(data.period) +
-                "; expected a whole number of periods");
+    require(
+        samples >= data.period && samples % data.period == 0,
+        "time data: record " + fmt::to_string(i + 1) + " has " + fmt::to_string(samples) +
+            " samples, " +
+            fmt::format("{:.6g}", static_cast<double>(samples) / static_cast<double>(data.period)) +
+            " periods of " + fmt::to_string(data.period) + "; expected a whole number of periods");
   }
 }
 
@@ -63,9 +65,10 @@ Spectra spectra(const TimeData& data, double low_hz, double high_hz) {
     if (hz < low_hz - 1e-9 * step || (high_hz > 0.0 && hz > high_hz + 1e-9 * step)) continue;
     result.line.push_back(k);
   }
-  require(!result.line.empty(), "time data: no line between " + std::to_string(low_hz) + " and " +
-                                    std::to_string(high_hz) + " Hz; the lines lie " +
-                                    std::to_string(step) + " Hz apart");
+  require(!result.line.empty(), "time data: no line between " + fmt::format("{:.6g}", low_hz) +
+                                    " and " + fmt::format("{:.6g}", high_hz) +
+                                    " Hz; the lines lie " + fmt::format("{:.6g}", step) +
+                                    " Hz apart");
   for (const auto& record : data.records) {
     result.records.push_back({record.experiment, record.realisation,
                               by_period(record.outputs, data.period, result.line),

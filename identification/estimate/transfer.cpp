@@ -1,5 +1,7 @@
 #include "identification/estimate/transfer.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -53,8 +55,8 @@ Range periods_of(const Spectra& spectra, const TransferPlan& plan) {
   std::size_t last = spectra.records.front().outputs.size();
   for (const auto& record : spectra.records) last = std::min(last, record.outputs.size());
   const auto first = static_cast<std::size_t>(std::max<Eigen::Index>(0, plan.drop));
-  require(first < last, "FRF estimate: " + std::to_string(last) + " periods, of which " +
-                            std::to_string(first) + " are to be dropped; expected one to be left");
+  require(first < last, "FRF estimate: " + fmt::to_string(last) + " periods, of which " +
+                            fmt::to_string(first) + " are to be dropped; expected one to be left");
   return {first, last};
 }
 
@@ -75,8 +77,8 @@ OneRealisation estimate(const Spectra& spectra, const Realisation& group, const 
   const Eigen::MatrixXcd in = mean_of(group, plan.from, periods, k);
   const Eigen::VectorXd size = in.rowwise().norm();
   const auto place = [&] {
-    return "FRF estimate: at " + std::to_string(spectra.hz(static_cast<std::size_t>(k))) +
-           " Hz of realisation " + std::to_string(group.front()->realisation + 1);
+    return "FRF estimate: at " + fmt::to_string(spectra.hz(static_cast<std::size_t>(k))) +
+           " Hz of realisation " + fmt::to_string(group.front()->realisation + 1);
   };
   require(size.minCoeff() > 0.0, place() + " a channel is not excited");
   const Eigen::MatrixXcd scaled = size.cwiseInverse().asDiagonal() * in;
@@ -94,9 +96,9 @@ void check_repetition(const Spectra& spectra, const std::vector<Realisation>& gr
                       const TransferPlan& plan, Range periods) {
   for (const auto& group : groups) {
     require(group.size() >= plan.from.size(),
-            "FRF estimate: realisation " + std::to_string(group.front()->realisation + 1) +
-                " has " + std::to_string(group.size()) + " experiments; expected " +
-                std::to_string(plan.from.size()) + ", one for each excited channel");
+            "FRF estimate: realisation " + fmt::to_string(group.front()->realisation + 1) +
+                " has " + fmt::to_string(group.size()) + " experiments; expected " +
+                fmt::to_string(plan.from.size()) + ", one for each excited channel");
     if (periods.last - periods.first < 2) continue;
     double change = 0.0;
     double size = 0.0;
@@ -106,9 +108,9 @@ void check_repetition(const Spectra& spectra, const std::vector<Realisation>& gr
       size += first.squaredNorm();
     }
     require(change < 0.25 * size, "FRF estimate: the excitation of realisation " +
-                                      std::to_string(group.front()->realisation + 1) +
+                                      fmt::to_string(group.front()->realisation + 1) +
                                       " does not repeat with a period of " +
-                                      std::to_string(spectra.period) + " samples");
+                                      fmt::to_string(spectra.period) + " samples");
   }
 }
 

@@ -1,5 +1,7 @@
 #include "identification/estimate/transient.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -162,14 +164,14 @@ bool significant(const Decay& decay) {
 
 std::string told(const TransientReport& report, std::size_t periods) {
   if (periods < 3) {
-    return "a transient cannot be told from noise in " + std::to_string(periods) +
+    return "a transient cannot be told from noise in " + fmt::to_string(periods) +
            " period(s); three are needed";
   }
   if (!report.seen) return "no transient seen";
-  return "a transient of which each period leaves " + std::to_string(report.decay) + "; with " +
-         std::to_string(report.drop) + " of " + std::to_string(periods) +
-         " periods dropped it shifts the mean by at most " + std::to_string(report.remaining) +
-         " of its deviation" +
+  return "a transient of which each period leaves " + fmt::format("{:.6g}", report.decay) +
+         "; with " + fmt::to_string(report.drop) + " of " + fmt::to_string(periods) +
+         " periods dropped it shifts the mean by at most " +
+         fmt::format("{:.6g}", report.remaining) + " of its deviation" +
          (report.remaining > Constants::decay_tolerated
               ? ": too much; remove it with the poles of a first fit, or "
                 "measure more periods"
@@ -296,15 +298,16 @@ WithoutTransient without_transient(const TimeData& data, const Eigen::VectorXcd&
   require(data.period >= 1, "transient: the data state no period");
   for (const auto& p : pole) {
     require(p.real() < 0.0 && p.imag() > 0.0,
-            "transient: the pole " + std::to_string(p.real()) + " + " + std::to_string(p.imag()) +
+            "transient: the pole " + fmt::format("{:.6g}", p.real()) + " + " +
+                fmt::format("{:.6g}", p.imag()) +
                 "j rad/s; expected one that decays, of positive frequency");
   }
   WithoutTransient result{data, {}};
   for (auto& record : result.data.records) {
     const auto samples = record.outputs.rows();
     require(samples >= 2 * data.period && samples % data.period == 0,
-            "transient: a record of " + std::to_string(samples) +
-                " samples; expected two or more whole periods of " + std::to_string(data.period));
+            "transient: a record of " + fmt::to_string(samples) +
+                " samples; expected two or more whole periods of " + fmt::to_string(data.period));
     const auto basis = decays(pole, data.sample_time_s, data.period, samples / data.period);
     const auto normal = normal_matrix(basis);
     const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();

@@ -1,5 +1,7 @@
 #include "identification/experiment/controller.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
@@ -88,13 +90,13 @@ Controller stabiliser(const modal::ReducedModel& model, Eigen::Index axes,
                       double sample_time_s) {
   const auto inputs = static_cast<Eigen::Index>(controlled.size());
   require(axes >= 1 && axes <= model.mode_count() && inputs >= axes && model.output_count() >= axes,
-          "controller: " + std::to_string(axes) + " axes with " + std::to_string(inputs) +
-              " controlled actuators and " + std::to_string(model.output_count()) +
+          "controller: " + fmt::to_string(axes) + " axes with " + fmt::to_string(inputs) +
+              " controlled actuators and " + fmt::to_string(model.output_count()) +
               " sensors; expected as many or more of both");
   require(bandwidth_hz > 0.0 && bandwidth_hz * sample_time_s <= 0.1,
-          "controller: a bandwidth of " + std::to_string(bandwidth_hz) +
+          "controller: a bandwidth of " + fmt::format("{:.6g}", bandwidth_hz) +
               " Hz; expected above 0 and at most a tenth of the sampling frequency, " +
-              std::to_string(0.1 / sample_time_s) + " Hz");
+              fmt::format("{:.6g}", 0.1 / sample_time_s) + " Hz");
   for (const auto j : controlled) {
     require(j >= 0 && j < model.input_count(), "controller: no such actuator");
   }

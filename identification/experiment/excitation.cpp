@@ -1,5 +1,7 @@
 #include "identification/experiment/excitation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -14,15 +16,15 @@ namespace {
 
 void check(const MultisinePlan& plan) {
   require(plan.period >= 4,
-          "multisine: a period of " + std::to_string(plan.period) + " samples; expected 4 or more");
+          "multisine: a period of " + fmt::to_string(plan.period) + " samples; expected 4 or more");
   require(std::isfinite(plan.sample_time_s) && plan.sample_time_s > 0.0,
           "multisine: the sample time is not positive");
   require(std::isfinite(plan.rms) && plan.rms > 0.0, "multisine: the rms is not positive");
   const double half = 0.5 / plan.sample_time_s;
   require(plan.low_hz >= 0.0 && plan.low_hz <= plan.high_hz && plan.high_hz <= half,
-          "multisine: the band is " + std::to_string(plan.low_hz) + " to " +
-              std::to_string(plan.high_hz) + " Hz; expected it ascending and below " +
-              std::to_string(half) + " Hz, half the sampling frequency");
+          "multisine: the band is " + fmt::format("{:.6g}", plan.low_hz) + " to " +
+              fmt::format("{:.6g}", plan.high_hz) + " Hz; expected it ascending and below " +
+              fmt::format("{:.6g}", half) + " Hz, half the sampling frequency");
   require(plan.shape.size() == plan.shape_hz.size(),
           "multisine: the shape has other sizes of frequencies and amplitudes");
   for (Eigen::Index i = 0; i < plan.shape.size(); ++i) {
@@ -69,10 +71,10 @@ Choice lines_of(const MultisinePlan& plan) {
     }
     (excite ? choice.excited : choice.left_out).push_back(k);
   }
-  require(!choice.excited.empty(), "multisine: no line between " + std::to_string(plan.low_hz) +
-                                       " and " + std::to_string(plan.high_hz) +
-                                       " Hz; the lines lie " + std::to_string(1.0 / lines_per_hz) +
-                                       " Hz apart");
+  require(!choice.excited.empty(), "multisine: no line between " +
+                                       fmt::format("{:.6g}", plan.low_hz) + " and " +
+                                       fmt::format("{:.6g}", plan.high_hz) + " Hz; the lines lie " +
+                                       fmt::format("{:.6g}", 1.0 / lines_per_hz) + " Hz apart");
   return choice;
 }
 
@@ -161,7 +163,7 @@ ExperimentSet experiments(const std::vector<MultisinePlan>& plans, InputScheme s
             "multisine: the inputs have different lines; expected one period, one band");
     require(scheme == InputScheme::one_at_a_time || plan.crest_iterations == 0 ||
                 differ_in_sign_only(q),
-            "multisine: the crest factor of orthogonal multisines of " + std::to_string(q) +
+            "multisine: the crest factor of orthogonal multisines of " + fmt::to_string(q) +
                 " inputs cannot be lowered; expected 2, 4, 8, ... inputs, or one at a time");
   }
   const auto choice = lines_of(first);

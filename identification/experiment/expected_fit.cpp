@@ -1,5 +1,7 @@
 #include "identification/expected_fit.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/SVD>
 #include <algorithm>
 #include <string>
@@ -29,9 +31,9 @@ ModalFit expected_fit(const modal::ReducedModel& model, const Eigen::VectorXd& l
   const auto p = model.output_count();
   const auto q = model.input_count();
   require(variance.rows() == line_hz.size() && variance.cols() == p * q,
-          "expected fit: variances of " + std::to_string(variance.rows()) + " lines and " +
-              std::to_string(variance.cols()) + " responses; expected " +
-              std::to_string(line_hz.size()) + " and " + std::to_string(p * q));
+          "expected fit: variances of " + fmt::to_string(variance.rows()) + " lines and " +
+              fmt::to_string(variance.cols()) + " responses; expected " +
+              fmt::to_string(line_hz.size()) + " and " + fmt::to_string(p * q));
   require(variance.allFinite() && variance.size() > 0 && variance.minCoeff() > 0.0,
           "expected fit: a variance is not positive");
   const auto exact = modal::frf(model, line_hz);

@@ -1,5 +1,7 @@
 #include "identification/experiment/plant.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -79,8 +81,8 @@ Plant plant(const modal::ReducedModel& model, const std::vector<modal::FrfKind>&
     each.assign(static_cast<std::size_t>(model.output_count()), modal::FrfKind::receptance);
   }
   require(static_cast<Eigen::Index>(each.size()) == model.output_count(),
-          "plant: " + std::to_string(each.size()) + " kinds for " +
-              std::to_string(model.output_count()) + " outputs");
+          "plant: " + fmt::to_string(each.size()) + " kinds for " +
+              fmt::to_string(model.output_count()) + " outputs");
   if (model.damper_count() > 0) return coupled(model, each);
   Plant result;
   result.d.setZero(model.output_count(), model.input_count());
@@ -139,7 +141,7 @@ std::vector<SampledBlock> sampled(const Plant& plant, double sample_time_s, doub
   require(std::isfinite(sample_time_s) && sample_time_s > 0.0,
           "plant: the sample time is not positive");
   require(late_fraction >= 0.0 && late_fraction < 1.0,
-          "plant: a fraction of " + std::to_string(late_fraction) + "; expected 0 to 1");
+          "plant: a fraction of " + fmt::format("{:.6g}", late_fraction) + "; expected 0 to 1");
   const auto held = [](const Plant::Block& block, double time) {
     const auto s = block.a.rows();
     const auto q = block.b.cols();
@@ -166,7 +168,7 @@ std::vector<SampledBlock> sampled(const Plant& plant, double sample_time_s, doub
 SampledDelay sampled_delay(double delay_s, double sample_time_s) {
   const double samples = delay_s / sample_time_s;
   require(samples >= 0.0 && samples <= 1e4,
-          "a delay of " + std::to_string(delay_s) + " s; expected 0 to 10000 samples");
+          "a delay of " + fmt::format("{:.6g}", delay_s) + " s; expected 0 to 10000 samples");
   SampledDelay result;
   result.whole = static_cast<Eigen::Index>(std::floor(samples + 1e-9));
   result.fraction = std::max(0.0, samples - static_cast<double>(result.whole));

@@ -1,5 +1,7 @@
 #include "identification/experiment/rigid_chain.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -16,7 +18,7 @@ namespace {
 void check(const RigidChain& chain) {
   const auto positive = [](double value, const char* what) {
     require(std::isfinite(value) && value > 0.0, std::string("rigid chain: ") + what + " is " +
-                                                     std::to_string(value) +
+                                                     fmt::format("{:.6g}", value) +
                                                      "; expected a positive number");
   };
   positive(chain.length_m, "the length [m]");
@@ -25,7 +27,7 @@ void check(const RigidChain& chain) {
   positive(chain.youngs_modulus, "Young's modulus [Pa]");
   positive(chain.density, "the density [kg/m^3]");
   require(chain.bodies >= 3,
-          "rigid chain: " + std::to_string(chain.bodies) + " bodies; expected 3 or more");
+          "rigid chain: " + fmt::to_string(chain.bodies) + " bodies; expected 3 or more");
   for (const auto& mass : chain.masses) positive(mass.mass_kg, "a mass [kg]");
   for (const auto& body : chain.carried) {
     positive(body.mass_kg, "a carried mass [kg]");
@@ -53,8 +55,8 @@ struct Row {
 Row row_at(const ChainMatrices& chain, double at_m) {
   const double length = chain.body_length_m * static_cast<double>(chain.bodies);
   require(at_m >= 0.0 && at_m <= length * (1.0 + 1e-12),
-          "rigid chain: the place " + std::to_string(1e3 * at_m) + " mm is off the strip of " +
-              std::to_string(1e3 * length) + " mm");
+          "rigid chain: the place " + fmt::format("{:.6g}", 1e3 * at_m) +
+              " mm is off the strip of " + fmt::format("{:.6g}", 1e3 * length) + " mm");
   const double in_bodies = at_m / chain.body_length_m;
   const auto body = std::min(static_cast<Eigen::Index>(std::floor(in_bodies)), chain.bodies - 1);
   return {body, in_bodies - static_cast<double>(body)};
@@ -182,8 +184,8 @@ void tune_stiffness(const RigidChain& strip, const Flexures& held, ChainMatrices
   chain.stiffness += stiffness(0) * held.sway + stiffness(1) * held.turn;
   const Eigen::Vector2d reached = spectrum(chain.stiffness, chain.mass).omega2.head(2);
   if (!((reached - wanted).cwiseQuotient(wanted).cwiseAbs().maxCoeff() < 1e-6)) {
-    throw NumericalFailure("rigid chain: no flexures give " + std::to_string(strip.sway_hz) +
-                           " and " + std::to_string(strip.turn_hz) + " Hz");
+    throw NumericalFailure("rigid chain: no flexures give " + fmt::format("{:.6g}", strip.sway_hz) +
+                           " and " + fmt::format("{:.6g}", strip.turn_hz) + " Hz");
   }
   chain.sway_stiffness = stiffness(0);
   chain.turn_stiffness = stiffness(1);
@@ -213,7 +215,7 @@ void tune_damping(const RigidChain& strip, const Flexures& held, const Eigen::Ma
     return;
   }
   throw NumericalFailure("rigid chain: no dashpots give both lowest modes a damping ratio of " +
-                         std::to_string(strip.suspension_damping_ratio));
+                         fmt::format("{:.6g}", strip.suspension_damping_ratio));
 }
 
 RigidChain beam(double coil_kg) {
@@ -264,8 +266,8 @@ Eigen::MatrixXd displacement_rows(const ChainMatrices& chain, const Eigen::Vecto
 modal::ReducedModel reduced_model(const ChainMatrices& chain, const Eigen::VectorXd& sensors_m,
                                   const Eigen::VectorXd& actuators_m, Eigen::Index modes) {
   const auto n = chain.mass.rows();
-  require(modes >= 1 && modes <= n, "rigid chain: " + std::to_string(modes) +
-                                        " modes asked for; expected 1 to " + std::to_string(n));
+  require(modes >= 1 && modes <= n, "rigid chain: " + fmt::to_string(modes) +
+                                        " modes asked for; expected 1 to " + fmt::to_string(n));
   const Eigen::MatrixXd sensors = displacement_rows(chain, sensors_m);
   const Eigen::MatrixXd actuators = displacement_rows(chain, actuators_m);
   const auto all = spectrum(chain.stiffness, chain.mass);
@@ -299,7 +301,7 @@ modal::Frf frf(const ChainMatrices& chain, const Eigen::VectorXd& sensors_m,
   modal::Frf result{.frequency_hz = frequency_hz, .value = {}};
   for (const double f : frequency_hz) {
     require(std::isfinite(f) && f >= 0.0 && (f > 0.0 || chain.sway_stiffness > 0.0),
-            "rigid chain: no response at " + std::to_string(f) + " Hz");
+            "rigid chain: no response at " + fmt::format("{:.6g}", f) + " Hz");
     const double omega = kTwoPi * f;
     Eigen::MatrixXcd dynamic(chain.mass.rows(), chain.mass.rows());
     dynamic.real() = chain.stiffness - omega * omega * chain.mass;

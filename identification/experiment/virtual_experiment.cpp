@@ -1,5 +1,7 @@
 #include "identification/virtual_experiment.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -17,8 +19,8 @@ Eigen::Index count(const std::vector<modal::MeasuredChannel>& channels) {
 
 void check_levels(const Eigen::VectorXd& levels, Eigen::Index channels, const std::string& what) {
   require(levels.size() == 0 || levels.size() == channels,
-          "virtual experiment: " + what + " of " + std::to_string(levels.size()) +
-              " channels; expected " + std::to_string(channels));
+          "virtual experiment: " + what + " of " + fmt::to_string(levels.size()) +
+              " channels; expected " + fmt::to_string(channels));
   require(levels.allFinite() && (levels.size() == 0 || levels.minCoeff() >= 0.0),
           "virtual experiment: " + what + " is negative or not finite");
 }
@@ -219,7 +221,7 @@ Record in_steps(const VirtualRig& rig, const Eigen::MatrixXd& command, Draw& noi
     structure.advance();
     if (!y.allFinite()) {
       throw NumericalFailure("virtual experiment: the response grows without bound at sample " +
-                             std::to_string(n));
+                             fmt::to_string(n));
     }
   }
   return record;
@@ -231,7 +233,7 @@ void check(const VirtualRig& rig) {
   const auto p = count(rig.outputs);
   const auto q = count(rig.inputs);
   require(p >= 1 && q >= 1 && p <= rig.plant.output_count() && q <= rig.plant.input_count(),
-          "virtual experiment: " + std::to_string(p) + " outputs and " + std::to_string(q) +
+          "virtual experiment: " + fmt::to_string(p) + " outputs and " + fmt::to_string(q) +
               " inputs; expected one or more, and as many as the structure has at most");
   require(std::isfinite(rig.sample_time_s) && rig.sample_time_s > 0.0,
           "virtual experiment: the sample time is not positive");
@@ -247,7 +249,7 @@ void check(const VirtualRig& rig) {
   }
   if (!rig.controller) return;
   require(delay.whole >= 1, "virtual experiment: a loop needs a delay of one sample or more, " +
-                                std::to_string(1e6 * rig.sample_time_s) + " us");
+                                fmt::format("{:.6g}", 1e6 * rig.sample_time_s) + " us");
   for (const auto j : rig.controller->controlled) {
     require(j < q, "virtual experiment: a controlled input is not recorded");
   }
@@ -256,14 +258,14 @@ void check(const VirtualRig& rig) {
   for (auto& block : seen.blocks) block.c = Eigen::MatrixXd(block.c.topRows(p));
   const double largest = largest_eigenvalue(seen, *rig.controller, rig.sample_time_s, rig.delay_s);
   require(largest < 1.0, "virtual experiment: the loop is unstable (an eigenvalue of magnitude " +
-                             std::to_string(largest) +
+                             fmt::format("{:.6g}", largest) +
                              "); lower the bandwidth or the delay, or raise the damping");
 }
 
 Record recorded(const VirtualRig& rig, const Eigen::MatrixXd& command, Draw& noise) {
   require(command.cols() == count(rig.inputs) && command.rows() >= 1,
-          "virtual experiment: a command for " + std::to_string(command.cols()) +
-              " inputs; expected " + std::to_string(rig.inputs.size()));
+          "virtual experiment: a command for " + fmt::to_string(command.cols()) +
+              " inputs; expected " + fmt::to_string(rig.inputs.size()));
   if (rig.controller || rig.spring) return in_steps(rig, command, noise);
   Record record{.outputs = Eigen::MatrixXd::Zero(command.rows(), count(rig.outputs)),
                 .inputs = command,
@@ -329,8 +331,8 @@ TimeData played(const VirtualRig& rig, const TimeData& excitation, Eigen::Index 
                 Eigen::Index warm_up, Draw& draw, double* crest_factor) {
   require(std::abs(excitation.sample_time_s / rig.sample_time_s - 1.0) < 1e-6,
           "virtual experiment: the excitation is sampled at " +
-              std::to_string(1.0 / excitation.sample_time_s) + " Hz, and the rig at " +
-              std::to_string(1.0 / rig.sample_time_s) + " Hz");
+              fmt::format("{:.6g}", 1.0 / excitation.sample_time_s) + " Hz, and the rig at " +
+              fmt::format("{:.6g}", 1.0 / rig.sample_time_s) + " Hz");
   std::vector<Eigen::Index> columns;
   for (const auto& input : rig.inputs) {
     const auto found =

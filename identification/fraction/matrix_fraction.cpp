@@ -1,5 +1,7 @@
 #include "identification/matrix_fraction.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -162,19 +164,19 @@ bool levenberg_step(MatrixFraction& fraction, const FitData& data, double& dampi
 
 void check(const FitData& data, const MatrixFractionOptions& options) {
   require(options.degree >= 1 && options.numerator_degree >= 0,
-          "matrix fraction: degrees of " + std::to_string(options.degree) + " and " +
-              std::to_string(options.numerator_degree) + "; expected 1 and 0 or more");
+          "matrix fraction: degrees of " + fmt::to_string(options.degree) + " and " +
+              fmt::to_string(options.numerator_degree) + "; expected 1 and 0 or more");
   const auto of_d = data.outputs * data.outputs * options.degree;
   require(of_d <= Constants::most_denominator,
-          "matrix fraction: a denominator of " + std::to_string(of_d) + " coefficients; at most " +
-              std::to_string(Constants::most_denominator) + " are fitted");
+          "matrix fraction: a denominator of " + fmt::to_string(of_d) + " coefficients; at most " +
+              fmt::to_string(Constants::most_denominator) + " are fitted");
   const auto unknowns = of_d + data.response_count() * (options.numerator_degree + 1);
   require(data.measured_count() > unknowns,
-          "matrix fraction: " + std::to_string(data.measured_count()) + " measured numbers for " +
-              std::to_string(unknowns) + " coefficients");
+          "matrix fraction: " + fmt::to_string(data.measured_count()) + " measured numbers for " +
+              fmt::to_string(unknowns) + " coefficients");
   require(data.line_count() > std::max(options.degree, options.numerator_degree),
-          "matrix fraction: " + std::to_string(data.line_count()) + " lines for polynomials of " +
-              std::to_string(std::max(options.degree, options.numerator_degree) + 1) +
+          "matrix fraction: " + fmt::to_string(data.line_count()) + " lines for polynomials of " +
+              fmt::to_string(std::max(options.degree, options.numerator_degree) + 1) +
               " coefficients");
 }
 
@@ -262,8 +264,8 @@ Eigen::MatrixXcd responses(const MatrixFraction& fraction, const Eigen::VectorXd
 
 Start thesis_start(const FitData& data, const ThesisOptions& options) {
   require(options.modes + options.rigid_count > 0 && options.modes >= 0 && options.rigid_count >= 0,
-          "thesis fit: " + std::to_string(options.modes) + " modes and " +
-              std::to_string(options.rigid_count) + " rigid-body modes; the number must be given");
+          "thesis fit: " + fmt::to_string(options.modes) + " modes and " +
+              fmt::to_string(options.rigid_count) + " rigid-body modes; the number must be given");
   const auto least = (2 * (options.modes + options.rigid_count) + data.outputs - 1) / data.outputs;
   const auto degree = options.degree > 0 ? options.degree : least;
   const auto fraction = matrix_fraction(
@@ -293,8 +295,8 @@ ModalFit thesis_fit(const FitData& data, const ThesisOptions& options) {
   how.progress = options.progress;
   auto fit = modal_fit(data, start, how);
   if (start.pole.size() < options.modes) {
-    fit.notes.push_back("the matrix fraction has " + std::to_string(start.pole.size()) +
-                        " resonances where " + std::to_string(options.modes) + " were asked for");
+    fit.notes.push_back("the matrix fraction has " + fmt::to_string(start.pole.size()) +
+                        " resonances where " + fmt::to_string(options.modes) + " were asked for");
   }
   return fit;
 }

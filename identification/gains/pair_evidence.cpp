@@ -1,5 +1,7 @@
 #include "identification/gains/pair_evidence.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <cmath>
 #include <limits>
@@ -162,9 +164,9 @@ PlaceRatios place_ratios(const std::vector<CollocatedPair>& pairs, Eigen::Index 
     const auto& pair = pairs[static_cast<std::size_t>(c)];
     if (pair.is_one_place()) continue;
     require(pair.at_output.size() == modes && pair.at_input.size() == modes,
-            "gain match: pair " + std::to_string(c + 1) + " has simulated shapes of " +
-                std::to_string(pair.at_output.size()) + " and " +
-                std::to_string(pair.at_input.size()) + " modes; expected " + std::to_string(modes));
+            "gain match: pair " + fmt::to_string(c + 1) + " has simulated shapes of " +
+                fmt::to_string(pair.at_output.size()) + " and " +
+                fmt::to_string(pair.at_input.size()) + " modes; expected " + fmt::to_string(modes));
     // A smaller value at either place is a node: the ratio is unknown there.
     const double least = 1e-6 * (pair.at_output.norm() + pair.at_input.norm()) + 1e-300;
     for (Eigen::Index m = 0; m < modes; ++m) {

@@ -1,5 +1,7 @@
 #include "identification/gains/rigid_body.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -86,7 +88,7 @@ bool positive_definite(const Eigen::MatrixXd& matrix) {
 void check_sizes(const Eigen::MatrixXd& product, const Eigen::MatrixXd& deviation,
                  const Eigen::MatrixXd& outputs, const Eigen::MatrixXd& inputs) {
   const auto size = [](Eigen::Index rows, Eigen::Index cols) {
-    return std::to_string(rows) + " by " + std::to_string(cols);
+    return fmt::to_string(rows) + " by " + fmt::to_string(cols);
   };
   require(outputs.rows() == product.rows() && inputs.rows() == product.cols() &&
               outputs.cols() == inputs.cols() && outputs.cols() > 0,
@@ -124,7 +126,7 @@ RigidBody rigid_body(const Eigen::MatrixXd& product, const Eigen::MatrixXd& devi
   const auto symmetric = least_squares(rows * spread, values);
   require(symmetric.determined,
           "rigid body: the places of the sensors and actuators do not determine the " +
-              std::to_string(r) + " by " + std::to_string(r) + " mass matrix");
+              fmt::to_string(r) + " by " + fmt::to_string(r) + " mass matrix");
   const Eigen::MatrixXd inverse = (spread * symmetric.value).reshaped(r, r);
   if (!positive_definite(inverse)) {
     throw NumericalFailure(

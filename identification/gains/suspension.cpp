@@ -1,5 +1,7 @@
 #include "identification/suspension.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -71,8 +73,8 @@ Suspension stated_suspension(const ModalFit& fit, const Eigen::MatrixXd& outputs
                              const Eigen::MatrixXd& inputs, Eigen::Index count) {
   const auto flexible = fit.flexible_count();
   require(count >= 0 && count <= std::min(flexible, outputs.cols()),
-          std::to_string(count) + " suspended modes of " + std::to_string(flexible) +
-              " above 0 Hz and " + std::to_string(outputs.cols()) +
+          fmt::to_string(count) + " suspended modes of " + fmt::to_string(flexible) +
+              " above 0 Hz and " + fmt::to_string(outputs.cols()) +
               " motions of the body as a whole");
   return lowest(fit, outputs, inputs, count);
 }

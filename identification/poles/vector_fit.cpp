@@ -1,5 +1,7 @@
 #include "identification/poles/vector_fit.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -100,11 +102,11 @@ double largest_change(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
 
 Eigen::VectorXcd vector_fit(const FitData& data, const VectorFitOptions& options) {
   require(options.order >= 1,
-          "vector fit: order " + std::to_string(options.order) + ", expected 1 or more");
+          "vector fit: order " + fmt::to_string(options.order) + ", expected 1 or more");
   const auto unknowns = 2 * options.order + 1;
   require(2 * data.line_count() > 2 * unknowns + 1,
-          "vector fit: " + std::to_string(data.line_count()) + " lines are too few for " +
-              std::to_string(options.order) + " modes");
+          "vector fit: " + fmt::to_string(data.line_count()) + " lines are too few for " +
+              fmt::to_string(options.order) + " modes");
   const double scale = 2.0 * std::numbers::pi * data.frequency_hz(data.line_count() - 1);
   const Eigen::VectorXd x = 2.0 * std::numbers::pi / scale * data.frequency_hz;
   PoleProducts products(data, x, options.rigid);

@@ -1,5 +1,7 @@
 #include "io/csv.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -34,7 +36,7 @@ std::string cell(double value) {
   return {buffer.data(), end};
 }
 
-std::string cell(int value) { return std::to_string(value); }
+std::string cell(int value) { return fmt::to_string(value); }
 
 std::string cell(const CsvColumn& column, Eigen::Index row) {
   if (const auto* words = std::get_if<std::vector<std::string>>(&column.entries)) {
@@ -52,8 +54,8 @@ std::string csv(const std::vector<CsvColumn>& columns) {
   const Eigen::Index rows = columns.empty() ? 0 : row_count(columns.front());
   for (const CsvColumn& column : columns) {
     require(row_count(column) == rows, "CSV: column \"" + column.name + "\" has " +
-                                           std::to_string(row_count(column)) + " rows, expected " +
-                                           std::to_string(rows));
+                                           fmt::to_string(row_count(column)) + " rows, expected " +
+                                           fmt::to_string(rows));
     require(names.insert(column.name).second, "CSV: there are two columns \"" + column.name + "\"");
     text += (text.empty() ? "" : ",") + cell(column.name);
   }

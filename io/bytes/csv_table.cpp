@@ -1,5 +1,7 @@
 #include "io/bytes/csv_table.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <set>
@@ -15,7 +17,7 @@ constexpr std::size_t kMostColumns = 10000;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 [[noreturn]] void fail(const std::string& file, int line, const std::string& what) {
-  throw InvalidInput(file + ": line " + std::to_string(line) + ": " + what);
+  throw InvalidInput(file + ": line " + fmt::to_string(line) + ": " + what);
 }
 
 char separator_of(std::string_view header) {
@@ -56,7 +58,7 @@ void read_row(std::string_view line, char separator, int number, CsvTable& table
   }
   if (column != expected) {
     fail(table.file, number,
-         std::to_string(column) + " fields; expected " + std::to_string(expected) +
+         fmt::to_string(column) + " fields; expected " + fmt::to_string(expected) +
              ", as many as the first line has");
   }
   table.line.push_back(number);
@@ -73,14 +75,14 @@ void read_header(std::string_view line, char separator, int number, CsvTable& ta
   for (std::size_t c = 0; c < table.names.size(); ++c) {
     const auto& name = table.names[c];
     if (name.empty()) {
-      fail(table.file, number, "column " + std::to_string(c + 1) + " has no name");
+      fail(table.file, number, "column " + fmt::to_string(c + 1) + " has no name");
     }
     if (!seen.insert(name).second) {
       fail(table.file, number, "two columns are called " + shown(name));
     }
     if (number_in(name)) {
       fail(table.file, number,
-           "column " + std::to_string(c + 1) + " is called " + shown(name) +
+           "column " + fmt::to_string(c + 1) + " is called " + shown(name) +
                ", a number; expected a first line of names");
     }
   }
@@ -92,8 +94,8 @@ std::size_t number_count(std::string_view bytes, const CsvTable& table, std::siz
   const auto lines = static_cast<std::size_t>(std::count(bytes.begin(), bytes.end(), '\n')) + 1;
   const std::size_t count = std::min(lines * table.names.size(), bytes.size() + 1);
   require_room(16.0 * static_cast<double>(count), limit,
-               table.file + ": " + std::to_string(table.names.size()) + " columns of " +
-                   std::to_string(lines) + " lines");
+               table.file + ": " + fmt::to_string(table.names.size()) + " columns of " +
+                   fmt::to_string(lines) + " lines");
   return count;
 }
 

@@ -1,5 +1,7 @@
 #include "io/bytes/gzip.h"
 
+#include <fmt/format.h>
+
 #include <zlib.h>
 
 #include <algorithm>
@@ -35,7 +37,7 @@ std::string unzipped(std::string_view bytes, std::size_t limit) {
     require(state == Z_OK || state == Z_STREAM_END,
             "gzip: " + std::string(left == 0 ? "the file is cut off" : "the file is damaged"));
     require(made <= limit - result.size(),
-            "gzip: more than " + std::to_string(limit >> 20U) + " MB when unpacked");
+            "gzip: more than " + fmt::to_string(limit >> 20U) + " MB when unpacked");
     result.append(room.data(), made);
   }
   return result;

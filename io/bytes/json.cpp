@@ -2,6 +2,8 @@
 // the digits.
 #include "io/json.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -122,7 +124,7 @@ void append(std::string& out, const Json& json, std::size_t level) {
     } else if constexpr (std::is_same_v<T, bool>) {
       out += value ? "true" : "false";
     } else if constexpr (std::is_same_v<T, long long>) {
-      out += std::to_string(value);
+      out += fmt::to_string(value);
     } else if constexpr (std::is_same_v<T, double>) {
       append_number(out, value);
     } else if constexpr (std::is_same_v<T, std::string>) {
@@ -163,7 +165,7 @@ class Builder {
     const std::string_view message = error.what();
     const std::size_t from = message.find("syntax error");
     throw InvalidInput(
-        "not JSON: byte " + std::to_string(position) + ": " +
+        "not JSON: byte " + fmt::to_string(position) + ": " +
         std::string(from == std::string_view::npos ? message : message.substr(from)));
   }
 
@@ -180,7 +182,7 @@ class Builder {
 
   bool open(bool is_array) {
     require(open_.size() < kDeepest,
-            "JSON: nested deeper than " + std::to_string(kDeepest) + " levels");
+            "JSON: nested deeper than " + fmt::to_string(kDeepest) + " levels");
     open_.emplace_back().is_array = is_array;
     return true;
   }

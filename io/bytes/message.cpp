@@ -1,5 +1,7 @@
 #include "io/bytes/message.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -32,8 +34,8 @@ Eigen::Index count_of(const Json& description, const char* key, const std::strin
   constexpr double most = 2147483647.0;
   const double count = description.at(key).number();
   require(count >= 0.0 && count <= most && count == std::floor(count),
-          "message: array \"" + name + "\" has " + std::to_string(count) + " " + key +
-              ", expected a whole number from 0 to " + std::to_string(2147483647));
+          "message: array \"" + name + "\" has " + fmt::to_string(count) + " " + key +
+              ", expected a whole number from 0 to " + fmt::to_string(2147483647));
   return static_cast<Eigen::Index>(count);
 }
 
@@ -45,9 +47,9 @@ Array taken(std::string_view& bytes, const Json& description) {
   const Eigen::Index columns = count_of(description, "columns", name);
   const auto there = static_cast<Eigen::Index>(bytes.size() / sizeof(typename Array::Scalar));
   require(columns == 0 || rows <= there / columns,
-          "message: array \"" + name + "\" of " + std::to_string(rows) + " x " +
-              std::to_string(columns) + " numbers is longer than what there is, " +
-              std::to_string(bytes.size()) + " bytes");
+          "message: array \"" + name + "\" of " + fmt::to_string(rows) + " x " +
+              fmt::to_string(columns) + " numbers is longer than what there is, " +
+              fmt::to_string(bytes.size()) + " bytes");
   Array array(rows, columns);
   const auto byte_count = static_cast<std::size_t>(array.size()) * sizeof(typename Array::Scalar);
   if (byte_count > 0) std::memcpy(array.data(), bytes.data(), byte_count);
@@ -93,7 +95,7 @@ std::string bytes(const Message& message) {
   const std::string json = text(JsonObject{{"head", message.head}, {"arrays", std::move(arrays)}});
   std::string out;
   out.reserve(64 + json.size() + byte_count(message.doubles) + byte_count(message.integers));
-  out.append(kMagic).append(std::to_string(json.size())).append("\n").append(json);
+  out.append(kMagic).append(fmt::to_string(json.size())).append("\n").append(json);
   append(message.doubles, out);
   append(message.integers, out);
   return out;

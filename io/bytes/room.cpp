@@ -1,5 +1,7 @@
 #include "io/bytes/room.h"
 
+#include <fmt/format.h>
+
 #include "base/error.h"
 #include "base/memory.h"
 
@@ -11,7 +13,7 @@ constexpr double kMatrix = 56.0;
 constexpr double kCopies = 2.0;  // the user of a set copies a part of it
 
 std::string megabytes(double bytes) {
-  return std::to_string(static_cast<long long>(bytes / 1048576.0) + 1) + " MB";
+  return fmt::to_string(static_cast<long long>(bytes / 1048576.0) + 1) + " MB";
 }
 
 }  // namespace
@@ -25,7 +27,7 @@ std::size_t mat_limit(std::size_t limit) { return limit / 6; }
 void require_room(double bytes, std::size_t limit, const std::string& what) {
   require(bytes <= static_cast<double>(limit),
           what + " need " + megabytes(bytes) + " of memory, there are " +
-              std::to_string(limit >> 20U) + " MB for them; read fewer at a time");
+              fmt::to_string(limit >> 20U) + " MB for them; read fewer at a time");
 }
 
 void require_room(const modal::FrfSet& set, Eigen::Index lines, int parts, std::size_t limit) {
@@ -33,14 +35,14 @@ void require_room(const modal::FrfSet& set, Eigen::Index lines, int parts, std::
       static_cast<double>(set.output_count()) * static_cast<double>(set.input_count());
   const double each = kMatrix + 16.0 * cells + parts * (kMatrix + 8.0 * cells);
   require_room(kCopies * each * static_cast<double>(lines), limit,
-               std::to_string(set.output_count()) + " outputs by " +
-                   std::to_string(set.input_count()) + " inputs on " + std::to_string(lines) +
+               fmt::to_string(set.output_count()) + " outputs by " +
+                   fmt::to_string(set.input_count()) + " inputs on " + fmt::to_string(lines) +
                    " lines");
 }
 
 void require_channels(Eigen::Index count, const std::string& side) {
-  require(count <= kMostChannels, std::to_string(count) + " " + side + ", expected at most " +
-                                      std::to_string(kMostChannels));
+  require(count <= kMostChannels, fmt::to_string(count) + " " + side + ", expected at most " +
+                                      fmt::to_string(kMostChannels));
 }
 
 }  // namespace chladni::io

@@ -1,5 +1,7 @@
 #include "io/scan.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -50,7 +52,7 @@ std::string listed(const std::vector<std::string>& names) {
     if (n > 0) list += ", ";
     list += names[n];
   }
-  if (names.size() > most) list += " and " + std::to_string(names.size() - most) + " more";
+  if (names.size() > most) list += " and " + fmt::to_string(names.size() - most) + " more";
   return list;
 }
 
@@ -179,11 +181,11 @@ std::int64_t Scanner::count(std::string_view what, std::size_t bytes_each) {
 
 void Scanner::require_room(std::int64_t count, std::string_view what,
                            std::size_t bytes_each) const {
-  if (count < 0) fail("a negative number of " + std::string(what) + ": " + std::to_string(count));
+  if (count < 0) fail("a negative number of " + std::string(what) + ": " + fmt::to_string(count));
   const std::size_t room = (left() + 1) / bytes_each;  // the last one may lack its line end
   if (static_cast<std::uint64_t>(count) > room) {
-    fail("the file claims " + std::to_string(count) + " " + std::string(what) + ", but the " +
-         std::to_string(left()) + " bytes that follow have room for " + std::to_string(room) +
+    fail("the file claims " + fmt::to_string(count) + " " + std::string(what) + ", but the " +
+         fmt::to_string(left()) + " bytes that follow have room for " + fmt::to_string(room) +
          " at most: truncated or not what it says");
   }
 }
@@ -198,7 +200,7 @@ void Scanner::expect(std::string_view expected) {
 
 void Scanner::fail(const std::string& message) const {
   throw InvalidInput(
-      (tells_bytes_ ? "byte " + std::to_string(at_) : "line " + std::to_string(line_)) + ": " +
+      (tells_bytes_ ? "byte " + fmt::to_string(at_) : "line " + fmt::to_string(line_)) + ": " +
       message);
 }
 

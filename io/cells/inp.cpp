@@ -1,5 +1,7 @@
 // Reads Abaqus and CalculiX input decks: tetrahedra, their sections (regions), surfaces and sets
 // (patches). Node orders and faces are those of the CalculiX manual, "Element types".
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <set>
@@ -101,7 +103,7 @@ void InpReader::read_nodes(const Keyword& keyword) {
   for (Fields fields; deck_.next_data(fields);) {
     if (in_assembly_) continue;  // reference points
     if (fields.size() != 4) {
-      deck_.fail("a node of " + std::to_string(fields.size()) +
+      deck_.fail("a node of " + fmt::to_string(fields.size()) +
                  " fields, expected four: number, x, y, z (decimal commas are not read)");
     }
     const std::int64_t id = deck_.id(fields[0]);
@@ -118,8 +120,8 @@ void InpReader::read_element(const Fields& first_line, const ElementType& type, 
     if (ids.size() > type.nodes || !deck_.next_data(fields)) break;
   }
   if (ids.size() != type.nodes + 1) {
-    deck_.fail("element " + std::to_string(ids[0]) + " has " + std::to_string(ids.size() - 1) +
-               " nodes, expected " + std::to_string(type.nodes));
+    deck_.fail("element " + fmt::to_string(ids[0]) + " has " + fmt::to_string(ids.size() - 1) +
+               " nodes, expected " + fmt::to_string(type.nodes));
   }
   const std::span<const std::int64_t> nodes = std::span(ids).subspan(1);
   if (type.kind == ElementType::Kind::tetrahedron) {
@@ -256,7 +258,7 @@ void InpReader::name_regions(Notes* notes) {
   for (std::size_t t = 0; t < region.size(); ++t) {
     if (region[t] >= 0) tets_.set_region(t, region[t]);
   }
-  if (without > 0) add_note(notes, std::to_string(without) + " elements without *SOLID SECTION");
+  if (without > 0) add_note(notes, fmt::to_string(without) + " elements without *SOLID SECTION");
 }
 
 void InpReader::add_faces(const SurfaceEntry& entry, std::int64_t element) {
@@ -303,7 +305,7 @@ void InpReader::name_faces(Notes* notes) {
   for (const std::string& name : node_sets_.names()) {
     tets_.node_set({name, node_sets_.ids(name, tets_.sorted_nodes())});
   }
-  if (lines_ > 0) add_note(notes, std::to_string(lines_) + " line elements passed over");
+  if (lines_ > 0) add_note(notes, fmt::to_string(lines_) + " line elements passed over");
 }
 
 mesh::TetMesh InpReader::mesh(Notes* notes) {

@@ -1,4 +1,6 @@
 // Reads Gmsh's MSH 2.2 and 4.1, text or binary (Gmsh's reference manual, "MSH file format").
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -64,16 +66,16 @@ void MshReader::read_format() {
   const std::int64_t binary = scanner_.integer("the file type");
   const std::int64_t size = scanner_.integer("the data size");
   if (binary < 0 || binary > 1)
-    scanner_.fail("file type " + std::to_string(binary) + ", expected 0 or 1");
+    scanner_.fail("file type " + fmt::to_string(binary) + ", expected 0 or 1");
   if (binary == 1) {
-    if (size != 8) scanner_.fail("data size " + std::to_string(size) + ", expected 8");
+    if (size != 8) scanner_.fail("data size " + fmt::to_string(size) + ", expected 8");
     static_cast<void>(scanner_.next_line());
     values_ = Values(scanner_, Encoding::little_endian);
     const auto one = values_.next<std::int32_t>("the number 1 that tells the byte order");
     if (one == 0x01000000) {
       values_ = Values(scanner_, Encoding::big_endian);
     } else if (one != 1) {
-      scanner_.fail("found " + std::to_string(one) + " where the number 1 tells the byte order");
+      scanner_.fail("found " + fmt::to_string(one) + " where the number 1 tells the byte order");
     }
   }
   scanner_.expect("$EndMeshFormat");
@@ -89,7 +91,7 @@ void MshReader::read_physical_names() {
       name = name.substr(1, name.size() - 2);
     }
     if (dimension < 0 || dimension > 3)
-      scanner_.fail("a physical name of dimension " + std::to_string(dimension));
+      scanner_.fail("a physical name of dimension " + fmt::to_string(dimension));
     physical_names_[{static_cast<int>(dimension), tag}] = std::string(name);
   }
 }
@@ -99,14 +101,14 @@ std::string MshReader::name_of(const Entity& physical) const {
   const auto named = physical_names_.find(physical);
   if (named != physical_names_.end() && !named->second.empty()) return named->second;
   if (tag == 0) return dimension == 3 ? "body" : "other";
-  return (dimension == 3 ? "volume_" : "surface_") + std::to_string(tag);
+  return (dimension == 3 ? "volume_" : "surface_") + fmt::to_string(tag);
 }
 
 const MshCell& MshReader::known_cell(std::int64_t code) {
   const MshCell* const cell = msh_cell(code);
-  if (cell == nullptr) scanner_.fail("unknown element type " + std::to_string(code));
+  if (cell == nullptr) scanner_.fail("unknown element type " + fmt::to_string(code));
   if (cell->dimension == 3 && cell->kind != MshCell::Kind::tetrahedron) {
-    scanner_.fail("a " + std::string(cell->name) + " (element type " + std::to_string(code) +
+    scanner_.fail("a " + std::string(cell->name) + " (element type " + fmt::to_string(code) +
                   "), expected tetrahedra of 4, 10 or 20 nodes: mesh the volume without "
                   "recombination, order 1 to 3");
   }
@@ -158,7 +160,7 @@ void MshReader::read_elements_2() {
     const std::int64_t block = text ? 1 : values_.next<std::int32_t>("elements of a block");
     const auto tags = values_.next<std::int32_t>("the number of an element's tags");
     if (block < 1 || block > left)
-      scanner_.fail("a block of " + std::to_string(block) + " elements, " + std::to_string(left) +
+      scanner_.fail("a block of " + fmt::to_string(block) + " elements, " + fmt::to_string(left) +
                     " are left");
     scanner_.require_room(tags, "tags", text ? 2 : 4);
     for (std::int64_t e = 0; e < block; ++e) {
@@ -227,8 +229,8 @@ void MshReader::read_nodes_4() {
     found += count;
   }
   if (found != nodes)
-    scanner_.fail("the header claims " + std::to_string(nodes) + " nodes, the blocks have " +
-                  std::to_string(found));
+    scanner_.fail("the header claims " + fmt::to_string(nodes) + " nodes, the blocks have " +
+                  fmt::to_string(found));
 }
 
 void MshReader::read_elements_4() {
@@ -253,8 +255,8 @@ void MshReader::read_elements_4() {
     found += count;
   }
   if (found != elements)
-    scanner_.fail("the header claims " + std::to_string(elements) + " elements, the blocks have " +
-                  std::to_string(found));
+    scanner_.fail("the header claims " + fmt::to_string(elements) + " elements, the blocks have " +
+                  fmt::to_string(found));
 }
 
 void MshReader::skip_to_end_of(std::string_view name) {
@@ -287,20 +289,20 @@ mesh::TetMesh MshReader::mesh(Notes* notes) {
     scanner_.expect("$End" + name);
   }
   if (tets_.tet_count() == 0 && triangles_ > 0) {
-    throw InvalidInput(std::to_string(triangles_) +
+    throw InvalidInput(fmt::to_string(triangles_) +
                        " triangles and no tetrahedron: mesh the volume "
                        "(Gmsh: -3), or save the surface as STL");
   }
   for (const auto& [name, count] : passed_over_) {
-    add_note(notes, std::to_string(count) + " cells passed over: " + name);
+    add_note(notes, fmt::to_string(count) + " cells passed over: " + name);
   }
   if (entities_in_two_groups_ > 0) {
-    add_note(notes, std::to_string(entities_in_two_groups_) +
+    add_note(notes, fmt::to_string(entities_in_two_groups_) +
                         " entities are in several physical groups: the first counts");
   }
   if (partitioned_ > 0) {
     add_note(notes,
-             "partition numbers of " + std::to_string(partitioned_) + " elements passed over");
+             "partition numbers of " + fmt::to_string(partitioned_) + " elements passed over");
   }
   return tets_.mesh(notes);
 }

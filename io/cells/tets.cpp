@@ -1,5 +1,7 @@
 #include "io/cells/tets.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -26,7 +28,7 @@ Corners3 sorted_corners(std::int32_t a, std::int32_t b, std::int32_t c) {
 }
 
 std::string count_of(std::size_t count, const std::string& thing) {
-  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
+  return fmt::to_string(count) + " " + thing + (count == 1 ? "" : "s");
 }
 
 }  // namespace
@@ -38,7 +40,7 @@ void Rows::sort(const std::string& what) {
   const auto twice = std::adjacent_find(
       ids_.begin(), ids_.end(), [](const auto& a, const auto& b) { return a.first == b.first; });
   require(twice == ids_.end(), what + " " +
-                                   (twice == ids_.end() ? "" : std::to_string(twice->first)) +
+                                   (twice == ids_.end() ? "" : fmt::to_string(twice->first)) +
                                    " is there twice, expected once");
 }
 
@@ -60,7 +62,7 @@ int Names::index(const std::string& name) {
 
 void Tets::node(std::int64_t id, const Eigen::Vector3d& position) {
   require(position.allFinite() && position.cwiseAbs().maxCoeff() < kLargestCoordinate,
-          "node " + std::to_string(id) + " has a coordinate that is not finite or above 1e50");
+          "node " + fmt::to_string(id) + " has a coordinate that is not finite or above 1e50");
   nodes_.add(id);
   xyz_.insert(xyz_.end(), {position[0], position[1], position[2]});
 }
@@ -68,8 +70,8 @@ void Tets::node(std::int64_t id, const Eigen::Vector3d& position) {
 void Tets::tet(std::int64_t id, std::span<const std::int64_t> nodes, int region) {
   if (nodes_per_tet_ == 0) nodes_per_tet_ = nodes.size();
   require(nodes.size() == nodes_per_tet_,
-          "tetrahedron " + std::to_string(id) + " has " + std::to_string(nodes.size()) +
-              " nodes, those before it " + std::to_string(nodes_per_tet_) +
+          "tetrahedron " + fmt::to_string(id) + " has " + fmt::to_string(nodes.size()) +
+              " nodes, those before it " + fmt::to_string(nodes_per_tet_) +
               ": expected one element order in the whole file");
   tet_ids_.push_back(id);
   tet_nodes_.insert(tet_nodes_.end(), nodes.begin(), nodes.end());
@@ -92,11 +94,11 @@ std::span<const std::int64_t> Tets::nodes(std::size_t tet) const {
 }
 
 std::string Tets::with_ids(const std::string& what, const std::vector<Eigen::Index>& rows) const {
-  std::string text = std::to_string(rows.size()) +
+  std::string text = fmt::to_string(rows.size()) +
                      (rows.size() == 1 ? " tetrahedron is " : " tetrahedra are ") + what +
                      ": element";
   for (std::size_t i = 0; i < std::min<std::size_t>(10, rows.size()); ++i) {
-    text += " " + std::to_string(tet_ids_[static_cast<std::size_t>(rows[i])]);
+    text += " " + fmt::to_string(tet_ids_[static_cast<std::size_t>(rows[i])]);
   }
   return text + (rows.size() > 10 ? " ..." : "");
 }
@@ -108,8 +110,8 @@ Cells Tets::resolved_cells() const {
     for (std::size_t k = 0; k < nodes_per_tet_; ++k) {
       const std::int32_t row = nodes_.row(ids[k]);
       if (row < 0) {
-        throw InvalidInput("element " + std::to_string(tet_ids_[t]) + " names node " +
-                           std::to_string(ids[k]) + ", which the file does not define");
+        throw InvalidInput("element " + fmt::to_string(tet_ids_[t]) + " names node " +
+                           fmt::to_string(ids[k]) + ", which the file does not define");
       }
       cells(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) = row;
     }
@@ -170,7 +172,7 @@ void Tets::turn_right_side_out(Cells& cells, Notes* notes) const {
   require(std::ssize(inverted) == cells.rows(),
           with_ids("inside out while the others are not", inverted));
   for (Eigen::Index t = 0; t < cells.rows(); ++t) turn_inside_out(cells.row(t));
-  add_note(notes, "all " + std::to_string(cells.rows()) + " elements were inside out: renumbered");
+  add_note(notes, "all " + fmt::to_string(cells.rows()) + " elements were inside out: renumbered");
 }
 
 Points Tets::used_points(Cells& cells, Notes* notes) {

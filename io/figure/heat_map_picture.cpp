@@ -1,5 +1,7 @@
 #include "io/heat_map_picture.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <utility>
 
@@ -105,7 +107,7 @@ void draw_layouts(const PictureFile& png, const LayoutsPicture& picture) {
     values.col(static_cast<Eigen::Index>(p)) = panel.value;
     JsonArray kinds;
     for (const auto& marker : panel.markers) kinds.emplace_back(marker.kind);
-    request.doubles["places_" + std::to_string(p)] = places_of(panel.markers, frame);
+    request.doubles["places_" + fmt::to_string(p)] = places_of(panel.markers, frame);
     panels.emplace_back(
         JsonObject{{"title", panel.title}, {"note", panel.note}, {"kinds", std::move(kinds)}});
   }

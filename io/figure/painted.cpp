@@ -1,6 +1,8 @@
 // Sends requests to the painter.
 #include "io/figure/painted.h"
 
+#include <fmt/format.h>
+
 #include <cstdlib>
 #include <filesystem>
 #include <string_view>
@@ -46,7 +48,7 @@ std::string painted(const Message& request) {
   std::string png = run_worker(painter, arguments, bytes(request), limits).output;
   if (!png.starts_with("\x89PNG")) {
     throw UnusableReply(
-        "chladni-painter gave a reply that cannot be used: " + std::to_string(png.size()) +
+        "chladni-painter gave a reply that cannot be used: " + fmt::to_string(png.size()) +
         " bytes that are no PNG; is it of this build? (" + painter.string() + ")");
   }
   return png;

@@ -104,12 +104,12 @@ Json add_panel(Message& request, std::size_t number, const Points& on_paper, con
     labels.emplace_back(JsonObject{{"words", label.words}, {"size", label.size}});
     places.push_back(seen[p].at);
   }
-  auto& at = request.doubles["labels_" + std::to_string(number)];
+  auto& at = request.doubles["labels_" + fmt::to_string(number)];
   at.resize(static_cast<Eigen::Index>(places.size()), 2);
   for (Eigen::Index i = 0; i < at.rows(); ++i) {
     at.row(i) = places[static_cast<std::size_t>(i)].transpose();
   }
-  request.doubles["points_" + std::to_string(number)] = on_paper;
+  request.doubles["points_" + fmt::to_string(number)] = on_paper;
   return JsonObject{{"title", number == 0 ? "from one side" : "from the opposite side"},
                     {"labels", std::move(labels)}};
 }

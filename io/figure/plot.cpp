@@ -1,5 +1,7 @@
 #include "io/plot.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -254,7 +256,7 @@ double width_of(const Plot& plot) {
 
 void check(const Plot& plot) {
   require(!plot.panels.empty() && plot.panels.size() <= 64,
-          "plot: " + std::to_string(plot.panels.size()) + " panels, expected 1 to 64");
+          "plot: " + fmt::to_string(plot.panels.size()) + " panels, expected 1 to 64");
   for (const auto& panel : plot.panels) {
     for (const auto& series : panel.series) {
       const bool is_band = series.style == PlotSeries::Style::band;

@@ -48,7 +48,7 @@ PlotTick power_of_ten(int exponent, bool plain) {
   const double value = std::pow(10.0, exponent);
   if (plain) return {value, fmt::format("{:.{}f}", value, std::max(0, -exponent)), ""};
   // U+2212, the minus sign.
-  return {value, "10", (exponent < 0 ? "\xE2\x88\x92" : "") + std::to_string(std::abs(exponent))};
+  return {value, "10", (exponent < 0 ? "\xE2\x88\x92" : "") + fmt::to_string(std::abs(exponent))};
 }
 
 std::vector<PlotTick> logarithmic_ticks(const PlotAxis& axis, double pixels, double between) {

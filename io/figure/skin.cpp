@@ -1,5 +1,7 @@
 #include "io/figure/skin.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
@@ -300,7 +302,7 @@ Points field_at(const Skin& skin, const Eigen::Ref<const Eigen::VectorXd>& field
 
 Skin skin(const mesh::TetMesh& mesh, int divisions) {
   require(1 <= divisions && divisions <= 16,
-          "a skin of " + std::to_string(divisions) + " divisions per face, expected 1 to 16");
+          "a skin of " + fmt::to_string(divisions) + " divisions per face, expected 1 to 16");
   const Lattice lattice{divisions};
   const LatticeVertices numbers(mesh, lattice);
   Skin result;
@@ -333,7 +335,7 @@ Skin smooth_skin(const mesh::TetMesh& mesh, Eigen::Index max_vertices) {
 }
 
 Skin decimated(const Skin& skin, const Points& points, Eigen::Index max_vertices) {
-  require(max_vertices >= 8, "a skin of " + std::to_string(max_vertices) +
+  require(max_vertices >= 8, "a skin of " + fmt::to_string(max_vertices) +
                                  " vertices was asked for, expected 8 or more");
   if (skin.vertex_count() <= max_vertices) return skin;
   const Points at = vertices(skin, points);

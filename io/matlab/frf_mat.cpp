@@ -1,5 +1,7 @@
 #include "io/matlab/frf_mat.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -102,7 +104,7 @@ class Reader {
     require(f.size() > 0, "there are no frequencies: the vector is empty");
     for (Index k = 0; k < f.size(); ++k) {
       require(f(k) >= 0.0 && (k == 0 || f(k) > f(k - 1)),
-              "frequency " + std::to_string(k + 1) + " is " + std::to_string(f(k)) +
+              "frequency " + fmt::to_string(k + 1) + " is " + fmt::format("{:.6g}", f(k)) +
                   " Hz; expected ascending frequencies, 0 or more");
     }
   }
@@ -112,11 +114,11 @@ class Reader {
     auto dims = response.dims;
     while (dims.size() > 3 && dims.back() == 1) dims.pop_back();
     const std::string found =
-        "the responses are " + mat_size(response) + " for " + std::to_string(k) + " frequencies";
+        "the responses are " + mat_size(response) + " for " + fmt::to_string(k) + " frequencies";
     require(dims.size() <= 3, found + ", expected lines x outputs x inputs");
     if (dims.size() == 2) return layout_of_two(dims, found);
     const bool first = dims[0] == k, last = dims[2] == k;
-    require(first || last, found + "; expected " + std::to_string(k) + " lines first or last");
+    require(first || last, found + "; expected " + fmt::to_string(k) + " lines first or last");
     const bool both = first && last;
     const bool names_say = fits(dims[1], dims[2]) != fits(dims[0], dims[1]);
     require(!both || names_say, found +
@@ -142,7 +144,7 @@ class Reader {
                                      const std::string& found) const {
     const Index k = file_.set.line_count();
     const bool first = dims[0] == k, last = dims[1] == k;
-    require(first || last, found + "; expected " + std::to_string(k) + " lines first or last");
+    require(first || last, found + "; expected " + fmt::to_string(k) + " lines first or last");
     require(!first || !last || k == 1, found +
                                            ": lines may be first or last; write it with three "
                                            "dimensions");
@@ -165,8 +167,8 @@ class Reader {
   static void require_measurable(double number, const std::string& what, Index k, Index i,
                                  Index j) {
     if (is_measurable(number)) return;
-    throw InvalidInput(what + " on line " + std::to_string(k + 1) + " from input " +
-                       std::to_string(j + 1) + " to output " + std::to_string(i + 1) + ": " +
+    throw InvalidInput(what + " on line " + fmt::to_string(k + 1) + " from input " +
+                       fmt::to_string(j + 1) + " to output " + fmt::to_string(i + 1) + ": " +
                        not_measurable(number));
   }
 
@@ -192,7 +194,7 @@ class Reader {
                           const std::vector<std::string>& names,
                           const std::vector<std::string>& known, const char* letter) {
       require(names.empty() || static_cast<Index>(names.size()) == count,
-              std::to_string(names.size()) + " names for " + std::to_string(count) + " channels " +
+              fmt::to_string(names.size()) + " names for " + fmt::to_string(count) + " channels " +
                   letter);
       const bool unnamed =
           std::all_of(names.begin(), names.end(), [](const auto& name) { return name.empty(); });
@@ -200,7 +202,7 @@ class Reader {
       for (Index c = 0; c < count; ++c) {
         const auto at = static_cast<std::size_t>(c);
         side.emplace_back().name = take_known ? known[at]
-                                   : unnamed  ? letter + std::to_string(c + 1)
+                                   : unnamed  ? letter + fmt::to_string(c + 1)
                                               : names[at];
       }
       if (unnamed) {
@@ -233,8 +235,8 @@ class Reader {
     const auto place = mat_numbers(mat_value(fields_, {side + "_position"}), side + "_position");
     for (const auto& [numbers, each] : {std::pair(&nodes, 1), {&along, 3}, {&place, 3}}) {
       require(numbers->size() == 0 || numbers->size() == each * count,
-              side + "_node, _direction or _position: " + std::to_string(numbers->size()) +
-                  " numbers, expected " + std::to_string(each) + " per channel");
+              side + "_node, _direction or _position: " + fmt::to_string(numbers->size()) +
+                  " numbers, expected " + fmt::to_string(each) + " per channel");
     }
     for (Index c = 0; c < count; ++c) {
       auto& channel = channels[static_cast<std::size_t>(c)];

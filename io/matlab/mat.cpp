@@ -1,6 +1,8 @@
 // Writes .mat files with libmatio.
 #include "io/mat.h"
 
+#include <fmt/format.h>
+
 #include <matio.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -144,7 +146,7 @@ class MemoryFile {
   MemoryFile& operator=(MemoryFile&&) = delete;
 
   [[nodiscard]] std::filesystem::path path() const {
-    return "/proc/self/fd/" + std::to_string(descriptor_);
+    return "/proc/self/fd/" + fmt::to_string(descriptor_);
   }
 
   void copy_to(std::ostream& stream) const {

@@ -1,5 +1,7 @@
 #include "io/matlab/mat_names.h"
 
+#include <fmt/format.h>
+
 #include "base/error.h"
 #include "io/scan.h"
 
@@ -43,7 +45,7 @@ std::vector<std::string> mat_texts(const MatValue* value, std::string_view what)
 
 std::string mat_size(const MatValue& value) {
   std::string text;
-  for (const auto n : value.dims) text += (text.empty() ? "" : " x ") + std::to_string(n);
+  for (const auto n : value.dims) text += (text.empty() ? "" : " x ") + fmt::to_string(n);
   return text;
 }
 

@@ -1,4 +1,6 @@
 // Reads the reply of the worker chladni-mat.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -26,7 +28,7 @@ std::vector<Eigen::Index> dims_of(const Json& json) {
     const double size = n.number();
     product *= std::max(size, 1.0);
     require(size >= 0.0 && size == std::floor(size) && product <= most,
-            "its reader says that an array has a dimension of " + std::to_string(size));
+            "its reader says that an array has a dimension of " + fmt::to_string(size));
     dims.push_back(static_cast<Eigen::Index>(size));
   }
   require(dims.size() >= 2, "its reader says that an array has less than two dimensions");
@@ -37,8 +39,8 @@ std::vector<Eigen::Index> dims_of(const Json& json) {
 void require_size(const MatValue& value) {
   const auto fits = [&](Eigen::Index count) {
     require(count == value.size(), "its reader says that an array has " +
-                                       std::to_string(value.size()) + " elements, and sends " +
-                                       std::to_string(count));
+                                       fmt::to_string(value.size()) + " elements, and sends " +
+                                       fmt::to_string(count));
   };
   if (value.kind == MatValue::Kind::cell) fits(std::ssize(value.cells));
   if (value.kind != MatValue::Kind::number) return;
@@ -97,7 +99,7 @@ MatFile read_mat(const std::filesystem::path& file, std::size_t limit_bytes) {
           file.string() + ": there is no such file, or it is not a regular one");
   const std::filesystem::path worker = worker_path("chladni-mat");
   try {
-    const std::vector<std::string> arguments{file.string(), std::to_string(limit_bytes)};
+    const std::vector<std::string> arguments{file.string(), fmt::to_string(limit_bytes)};
     const auto result = run_worker(worker, arguments, "", limits(file, limit_bytes));
     return reply_of(worker, [&] { return file_of(message(result.output)); });
   } catch (const UnusableReply&) {

@@ -1,5 +1,7 @@
 #include "io/matlab/time_mat.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,7 +32,7 @@ class RecordReader {
   void read() {
     find_size();
     require_room(kBytesPerRecord * static_cast<double>(records_), options_.limit_bytes,
-                 std::to_string(records_) + " records");
+                 fmt::to_string(records_) + " records");
     data_.records.resize(static_cast<std::size_t>(records_));
     for (std::size_t s = 0; s < 3; ++s) read_side(s);
     require(!data_.outputs.empty() || !data_.inputs.empty(),
@@ -74,7 +76,7 @@ class RecordReader {
       numbers = mat_numbers(value, kVariable[side]);
       for (Index n = 0; n < numbers.size(); ++n) {
         require(std::isfinite(numbers(n)) && is_measurable(numbers(n)),
-                std::string(kVariable[side]) + "(" + std::to_string(n + 1) +
+                std::string(kVariable[side]) + "(" + fmt::to_string(n + 1) +
                     "): " + not_measurable(numbers(n)));
       }
       const Index each = samples_ * records_;
@@ -82,8 +84,8 @@ class RecordReader {
           value->dims[0] == samples_ || (value->dims[0] == 1 && value->dims.size() == 2);
       require(fits && numbers.size() % each == 0, std::string(kVariable[side]) + " is " +
                                                       mat_size(*value) + ", expected " +
-                                                      std::to_string(samples_) + " samples of " +
-                                                      std::to_string(records_) + " records");
+                                                      fmt::to_string(samples_) + " samples of " +
+                                                      fmt::to_string(records_) + " records");
       count = numbers.size() / each;
       require_channels(count, std::string(kSide[side]) + "s");
     }
@@ -104,12 +106,12 @@ class RecordReader {
                                     : options_.reference_names;
     if (names.empty() && static_cast<Index>(known.size()) == count) names = known;
     require(names.empty() || static_cast<Index>(names.size()) == count,
-            std::to_string(names.size()) + " names for " + std::to_string(count) + " " + key + "s");
+            fmt::to_string(names.size()) + " names for " + fmt::to_string(count) + " " + key + "s");
     const auto units = mat_texts(mat_value(fields_, {key + "_unit"}), key + "_unit");
     for (Index c = 0; c < count; ++c) {
       const auto at = static_cast<std::size_t>(c);
       auto& channel = channels.emplace_back();
-      channel.name = names.empty() ? kVariable[side] + std::to_string(c + 1) : names[at];
+      channel.name = names.empty() ? kVariable[side] + fmt::to_string(c + 1) : names[at];
       if (!units.empty()) channel.unit = units[std::min(at, units.size() - 1)];
     }
   }
@@ -120,13 +122,13 @@ class RecordReader {
     const auto time = mat_numbers(mat_value(fields_, {"time_s", "time", "t"}), "time_s");
     if (time.size() == 0 && options_.sample_time_s > 0.0) return options_.sample_time_s;
     require(time.size() > 1, "there is no sample_time_s, and no time_s either");
-    require(time.size() == samples_, "time_s has " + std::to_string(time.size()) +
-                                         " entries, expected " + std::to_string(samples_));
+    require(time.size() == samples_, "time_s has " + fmt::to_string(time.size()) +
+                                         " entries, expected " + fmt::to_string(samples_));
     const double step = (time(time.size() - 1) - time(0)) / static_cast<double>(time.size() - 1);
     for (Index k = 0; k < time.size(); ++k) {
       require(
           step > 0.0 && std::abs(time(k) - time(0) - step * static_cast<double>(k)) < 0.01 * step,
-          "time_s(" + std::to_string(k + 1) + ") is " + std::to_string(time(k)) +
+          "time_s(" + fmt::to_string(k + 1) + ") is " + fmt::format("{:.6g}", time(k)) +
               "; expected one step from sample to sample");
     }
     const double first = time(1) - time(0);
@@ -137,8 +139,8 @@ class RecordReader {
     const auto number = [&](const char* name, int Record::*of) {
       const auto numbers = mat_numbers(mat_value(fields_, {name}), name);
       require(numbers.size() == 0 || numbers.size() == records_,
-              std::string(name) + " has " + std::to_string(numbers.size()) +
-                  " entries, expected one per record: " + std::to_string(records_));
+              std::string(name) + " has " + fmt::to_string(numbers.size()) +
+                  " entries, expected one per record: " + fmt::to_string(records_));
       for (Index r = 0; r < numbers.size(); ++r) {
         data_.records[static_cast<std::size_t>(r)].*of =
             static_cast<int>(std::clamp(numbers(r), 0.0, 1e6));
@@ -210,8 +212,8 @@ MatFields mat_of_time(const identification::TimeData& data) {
       const auto& record = data.records[static_cast<std::size_t>(r)];
       const auto& part = record.*kParts[s];
       require(part.rows() == samples && part.cols() == count,
-              "MAT: record " + std::to_string(r + 1) + " has " + std::to_string(part.rows()) +
-                  " samples of " + kSide[s] + "s, the first has " + std::to_string(samples));
+              "MAT: record " + fmt::to_string(r + 1) + " has " + fmt::to_string(part.rows()) +
+                  " samples of " + kSide[s] + "s, the first has " + fmt::to_string(samples));
       numbers.segment(r * samples * count, samples * count) = part.reshaped();
       experiment(r) = record.experiment;
       realisation(r) = record.realisation;

@@ -1,4 +1,6 @@
 // Measured responses as a table with one line per frequency.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -92,7 +94,7 @@ class LayoutReader {
 
  private:
   [[nodiscard]] std::string place() const {
-    return table_.file + ": line " + std::to_string(table_.header_line) + ": ";
+    return table_.file + ": line " + fmt::to_string(table_.header_line) + ": ";
   }
   [[noreturn]] void fail(const std::string& what) const { throw InvalidInput(place() + what); }
 
@@ -170,9 +172,10 @@ void check_frequencies(const CsvTable& table, Index column) {
     const double before = k == 0 ? -1.0 : table.values(k - 1, column);
     if (f >= 0.0 && f > before) continue;
     throw InvalidInput(
-        table.file + ": line " + std::to_string(table.line[static_cast<std::size_t>(k)]) + ": " +
-        table.names[static_cast<std::size_t>(column)] + " is " + std::to_string(f) +
-        (k == 0 ? "" : " after " + std::to_string(before)) + "; expected ascending frequencies");
+        table.file + ": line " + fmt::to_string(table.line[static_cast<std::size_t>(k)]) + ": " +
+        table.names[static_cast<std::size_t>(column)] + " is " + fmt::format("{:.6g}", f) +
+        (k == 0 ? "" : " after " + fmt::format("{:.6g}", before)) +
+        "; expected ascending frequencies");
   }
 }
 
@@ -250,7 +253,7 @@ FrfFile parse_frf_csv(std::string_view bytes, const std::string& name, const Frf
   try {
     require_room(file.set, table.values.rows(), parts, options.limit_bytes);
   } catch (const InvalidInput& e) {
-    throw InvalidInput(name + ": " + e.what() + " (it has " + std::to_string(layout.pairs.size()) +
+    throw InvalidInput(name + ": " + e.what() + " (it has " + fmt::to_string(layout.pairs.size()) +
                        " responses)");
   }
   file.set.frequency_hz = table.values.col(layout.frequency);

@@ -74,7 +74,7 @@ RecordLayout layout_of(const CsvTable& table, const TimeOptions& options, TimeFi
 
 [[noreturn]] void fail(const CsvTable& table, Index row, const std::string& what) {
   throw InvalidInput(table.file + ": line " +
-                     std::to_string(table.line[static_cast<std::size_t>(row)]) + ": " + what);
+                     fmt::to_string(table.line[static_cast<std::size_t>(row)]) + ": " + what);
 }
 
 int whole(const CsvTable& table, Index row, Index column) {
@@ -82,7 +82,7 @@ int whole(const CsvTable& table, Index row, Index column) {
   const double value = table.values(row, column);
   if (value >= 0.0 && value <= 1e6 && value == std::floor(value)) return static_cast<int>(value);
   fail(table, row,
-       table.names[static_cast<std::size_t>(column)] + " is " + std::to_string(value) +
+       table.names[static_cast<std::size_t>(column)] + " is " + fmt::format("{:.6g}", value) +
            ", expected a whole number, 0 or more");
 }
 
@@ -175,8 +175,9 @@ double sample_time(const CsvTable& table, const RecordLayout& layout,
                  "; expected one step from sample to sample");
       }
       fail(table, row,
-           table.names[static_cast<std::size_t>(layout.time)] + " is " + std::to_string(time(row)) +
-               ", expected " + std::to_string(expected) + ": one step from sample to sample");
+           table.names[static_cast<std::size_t>(layout.time)] + " is " +
+               fmt::format("{:.9g}", time(row)) + ", expected " + fmt::format("{:.9g}", expected) +
+               ": one step from sample to sample");
     }
   }
   return result;
@@ -196,8 +197,8 @@ Index period_of(const CsvTable& table, const RecordLayout& layout,
       if (length == 0) length = row - start;
       if (row - start != length) {
         fail(table, start,
-             "a period of " + std::to_string(row - start) + " samples, others have " +
-                 std::to_string(length));
+             "a period of " + fmt::to_string(row - start) + " samples, others have " +
+                 fmt::to_string(length));
       }
       start = row;
     }
@@ -275,7 +276,7 @@ TimeFile parse_time_csv(std::string_view bytes, const std::string& name,
   const auto stretches = stretches_of(table, layout);
   require_room(kBytesPerRecord * static_cast<double>(stretches.size()) +
                    8.0 * static_cast<double>(table.values.size()),
-               options.limit_bytes, name + ": " + std::to_string(stretches.size()) + " recordings");
+               options.limit_bytes, name + ": " + fmt::to_string(stretches.size()) + " recordings");
   file.data.sample_time_s = sample_time(table, layout, stretches, options);
   file.data.period = period_of(table, layout, stretches, options);
   for (const auto& stretch : stretches) {

@@ -1,5 +1,7 @@
 #include "io/report.h"
 
+#include <fmt/format.h>
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -22,8 +24,8 @@ struct Check {
     for (const Table::Row& row : table.rows) {
       require(row.cells.size() == table.columns.size(),
               "report: a row of table \"" + table.caption + "\" has " +
-                  std::to_string(row.cells.size()) + " cells, expected " +
-                  std::to_string(table.columns.size()));
+                  fmt::to_string(row.cells.size()) + " cells, expected " +
+                  fmt::to_string(table.columns.size()));
     }
   }
   void operator()(const Image& image) const {
@@ -34,8 +36,8 @@ struct Check {
     require(++viewers == 1, "report: there is more than one viewer");
     for (const Viewer::Shape& shape : viewer.shapes) {
       require(shape.movement.size() == viewer.points.size(),
-              "report: shape \"" + shape.label + "\" has " + std::to_string(shape.movement.size()) +
-                  " numbers, expected " + std::to_string(viewer.points.size()));
+              "report: shape \"" + shape.label + "\" has " + fmt::to_string(shape.movement.size()) +
+                  " numbers, expected " + fmt::to_string(viewer.points.size()));
     }
     require(viewer.markers.size() == viewer.marker_vertex.size(),
             "report: the viewer has another number of markers than of their vertices");
@@ -58,7 +60,7 @@ struct Check {
   void operator()(const Facts& /*any*/) const {}
 };
 
-std::string anchor(std::size_t section) { return "section-" + std::to_string(section + 1); }
+std::string anchor(std::size_t section) { return "section-" + fmt::to_string(section + 1); }
 
 bool has_curves(const std::vector<Block>& blocks) {
   return std::ranges::any_of(blocks, [](const Block& block) {
@@ -133,10 +135,9 @@ void append_warnings(std::string& page, const Report& report) {
 }
 
 bool has_card(const std::vector<Block>& blocks) {
-  return !blocks.empty() &&
-         (std::holds_alternative<Card>(blocks[0]) ||
-          (std::holds_alternative<Beside>(blocks[0]) &&
-           has_card(std::get<Beside>(blocks[0]).blocks)));
+  return !blocks.empty() && (std::holds_alternative<Card>(blocks[0]) ||
+                             (std::holds_alternative<Beside>(blocks[0]) &&
+                              has_card(std::get<Beside>(blocks[0]).blocks)));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "io/report/report_blocks.h"
 
+#include <fmt/format.h>
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -68,7 +70,7 @@ void append_block(std::string& page, const Facts& facts) {
 void append_row(std::string& page, const Table& table, const Table::Row& row) {
   page += "<tr";
   if (row.is_quiet) page += " class=\"quiet\"";
-  if (row.shape >= 0) page += " data-shape=\"" + std::to_string(row.shape) + "\"";
+  if (row.shape >= 0) page += " data-shape=\"" + fmt::to_string(row.shape) + "\"";
   page += ">";
   for (std::size_t c = 0; c < row.cells.size(); ++c) {
     page += table.columns[c].is_number ? "<td class=\"number\">" : "<td>";
@@ -193,7 +195,7 @@ Json viewer_data(const Viewer& viewer) {
 }
 
 void append_block(std::string& page, const Viewer& viewer) {
-  page += "<div class=\"viewer\" data-paper=\"" + std::to_string(viewer.on_paper) + "\">\n";
+  page += "<div class=\"viewer\" data-paper=\"" + fmt::to_string(viewer.on_paper) + "\">\n";
   page +=
       R"(<div class="stage"><canvas class="back" tabindex="0" role="img" aria-label="The body, drawn in the shape of a mode; drag to turn, wheel to zoom, arrow keys for another mode"></canvas>
 <canvas class="front" aria-hidden="true"></canvas><div class="label"></div>

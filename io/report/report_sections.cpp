@@ -1,5 +1,7 @@
 #include "io/report_sections.h"
 
+#include <fmt/format.h>
+
 #include <fmt/core.h>
 
 #include <Eigen/Eigenvalues>
@@ -67,7 +69,7 @@ Table::Row flexible_row(const modal::Modes& modes, Eigen::Index mode,
                         std::size_t shapes) {
   const Eigen::Index flexible = mode - modes.rigid_count;
   const double frequency = modes.frequency_hz(mode);
-  return {{std::to_string(mode + 1), fmt::format("flexible {}", flexible + 1), hertz(frequency),
+  return {{fmt::to_string(mode + 1), fmt::format("flexible {}", flexible + 1), hertz(frequency),
            error.size() > 0 ? with_two_digits(frequency * error(mode)) : "",
            fmt::format("{:.0e}", summary.residual(mode)), cluster_note(mode, summary.clusters)},
           false,
@@ -120,8 +122,8 @@ Facts mesh_facts(const mesh::TetMesh& mesh, const mesh::Quality& quality, Eigen:
   return {
       "Mesh",
       {{"tetrahedra", fmt::format("{}, {}", mesh.tet_count(), cell_name(mesh))},
-       {"nodes", std::to_string(mesh.node_count())},
-       {"degrees of freedom", std::to_string(size)},
+       {"nodes", fmt::to_string(mesh.node_count())},
+       {"degrees of freedom", fmt::to_string(size)},
        {"regions", region_list(mesh)},
        {"edges", fmt::format("{:.3g} to {:.3g} mm", 1e3 * quality.shortest_edge,
                              1e3 * quality.longest_edge)},

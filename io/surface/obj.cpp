@@ -1,4 +1,6 @@
 // Reads OBJ (Wavefront): points and polygons. Groups, objects and materials become patches.
+#include <fmt/format.h>
+
 #include <array>
 #include <map>
 #include <set>
@@ -60,7 +62,7 @@ void ObjReader::read_point() {
     const auto value = number_in(coordinate);
     if (!value) {
       scanner_.fail(coordinate.empty()
-                        ? "a point of " + std::to_string(i) + " coordinates, expected 3"
+                        ? "a point of " + fmt::to_string(i) + " coordinates, expected 3"
                         : "a point: " + not_a_number(coordinate));
     }
     p[i] = *value;
@@ -80,8 +82,8 @@ void ObjReader::read_face() {
     }
     const std::int64_t count = triangles_.point_count();
     if (*index < -count || *index > count) {
-      scanner_.fail("a face names point " + std::to_string(*index) + ", but there are " +
-                    std::to_string(count) + " so far");
+      scanner_.fail("a face names point " + fmt::to_string(*index) + ", but there are " +
+                    fmt::to_string(count) + " so far");
     }
     corners_.push_back(static_cast<std::int32_t>(*index > 0 ? *index - 1 : count + *index));
     if (continues && !scanner_.next_line()) break;
@@ -150,10 +152,10 @@ mesh::Surface ObjReader::surface(Notes* notes) {
                     scanner_.at_line(face_line_[f]));
   }
   if (lines_and_points_ > 0) {
-    add_note(notes, std::to_string(lines_and_points_) + " lines and points without area left out");
+    add_note(notes, fmt::to_string(lines_and_points_) + " lines and points without area left out");
   }
   for (const auto& [key, count] : unknown_) {
-    add_note(notes, std::to_string(count) + " statements " + key + " not understood, passed over");
+    add_note(notes, fmt::to_string(count) + " statements " + key + " not understood, passed over");
   }
   return triangles_.surface(notes);
 }

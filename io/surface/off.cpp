@@ -1,4 +1,6 @@
 // Reads OFF (Geomview): points, then polygons. Colours, normals and texture places are skipped.
+#include <fmt/format.h>
+
 #include <array>
 
 #include "base/error.h"
@@ -41,7 +43,7 @@ void read_point(Scanner& scanner, Triangles& triangles) {
     const std::string_view word = scanner.word_on_line();
     const auto value = number_in(word);
     if (!value) {
-      scanner.fail(word.empty() ? "a point of " + std::to_string(i) + " coordinates, expected 3"
+      scanner.fail(word.empty() ? "a point of " + fmt::to_string(i) + " coordinates, expected 3"
                                 : "a point: " + not_a_number(word));
     }
     p[i] = *value;

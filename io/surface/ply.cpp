@@ -1,4 +1,6 @@
 // Reads PLY (Stanford): a head that describes rows of numbers, then the rows, as text or binary.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -212,7 +214,7 @@ void PlyReader::read_vertices(const Element& element, Values& values) {
       }
     }
     if (!p.allFinite()) {
-      scanner_.fail("vertex " + std::to_string(v) +
+      scanner_.fail("vertex " + fmt::to_string(v) +
                     " has a coordinate that is not a finite number");
     }
     static_cast<void>(triangles_.point(p));

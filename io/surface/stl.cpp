@@ -1,4 +1,6 @@
 // Reads STL, binary or text: triangles without neighbours, units or names.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "base/error.h"
@@ -32,11 +34,11 @@ bool looks_like_text(std::string_view bytes) {
   require(!bytes.empty(), "the file is empty");
   require(bytes.size() >= kHeader + 4,
           "neither a text STL (which starts with 'solid') nor a binary one (at least 84 bytes): " +
-              std::to_string(bytes.size()) + " bytes");
+              fmt::to_string(bytes.size()) + " bytes");
   const std::size_t room = (bytes.size() - kHeader - 4) / kTriangle;
-  throw InvalidInput("the header claims " + std::to_string(claimed_count(bytes)) +
-                     " triangles, the file's " + std::to_string(bytes.size()) + " bytes hold " +
-                     std::to_string(room) + ": truncated, or no STL");
+  throw InvalidInput("the header claims " + fmt::to_string(claimed_count(bytes)) +
+                     " triangles, the file's " + fmt::to_string(bytes.size()) + " bytes hold " +
+                     fmt::to_string(room) + ": truncated, or no STL");
 }
 
 mesh::Surface parse_binary(std::string_view bytes, Notes* notes) {
@@ -54,7 +56,7 @@ mesh::Surface parse_binary(std::string_view bytes, Notes* notes) {
       Eigen::Vector3d p;
       for (double& x : p) x = static_cast<double>(values.next<float>("a vertex"));
       if (!p.allFinite()) {
-        throw InvalidInput("triangle " + std::to_string(t + 1) +
+        throw InvalidInput("triangle " + fmt::to_string(t + 1) +
                            " has a coordinate that is not a finite number");
       }
       c = triangles.merged_point(p);
@@ -78,7 +80,7 @@ void parse_facet(Scanner& scanner, Triangles& triangles, int patch) {
     c = triangles.merged_point(p);
   }
   if (const auto word = scanner.word(); upper(word) != "ENDLOOP") {
-    scanner.fail("facet " + std::to_string(triangles.triangle_count() + 1) +
+    scanner.fail("facet " + fmt::to_string(triangles.triangle_count() + 1) +
                  " has more than three vertices or is cut off: found " + shown(word) +
                  ", expected 'endloop'");
   }
@@ -87,7 +89,7 @@ void parse_facet(Scanner& scanner, Triangles& triangles, int patch) {
 }
 
 std::string solid_name(std::string_view rest, int number) {
-  return rest.empty() ? "solid_" + std::to_string(number) : std::string(rest);
+  return rest.empty() ? "solid_" + fmt::to_string(number) : std::string(rest);
 }
 
 mesh::Surface parse_text(std::string_view bytes, Notes* notes) {

@@ -1,5 +1,7 @@
 #include "io/surface/triangles.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
@@ -40,7 +42,7 @@ Eigen::Vector3d Triangles::at(std::int32_t point) const {
 
 std::int32_t Triangles::point(const Eigen::Vector3d& position) {
   require(position.cwiseAbs().maxCoeff() < kLargestCoordinate,
-          "point " + std::to_string(point_count() + 1) + " has a coordinate above 1e50");
+          "point " + fmt::to_string(point_count() + 1) + " has a coordinate above 1e50");
   require(point_count() < std::numeric_limits<std::int32_t>::max(),
           "more than 2147483647 points: coarsen the surface in the program that wrote it");
   for (int i = 0; i < 3; ++i) xyz_.push_back(position[i] + 0.0);  // −0 becomes 0
@@ -82,8 +84,8 @@ void Triangles::triangle(std::int32_t a, std::int32_t b, std::int32_t c, int pat
 
 std::int32_t Triangles::corner(std::int64_t index, const Scanner& scanner) const {
   if (index < 0 || index >= point_count()) {
-    scanner.fail("a face names point " + std::to_string(index) + ", expected 0 to " +
-                 std::to_string(point_count() - 1));
+    scanner.fail("a face names point " + fmt::to_string(index) + ", expected 0 to " +
+                 fmt::to_string(point_count() - 1));
   }
   return static_cast<std::int32_t>(index);
 }
@@ -91,8 +93,8 @@ std::int32_t Triangles::corner(std::int64_t index, const Scanner& scanner) const
 void Triangles::face(std::span<const std::int32_t> corners, int patch, const Scanner& scanner) {
   constexpr std::size_t kMostCorners = 1000;
   if (corners.size() > kMostCorners) {
-    scanner.fail("a face has " + std::to_string(corners.size()) + " corners, expected at most " +
-                 std::to_string(kMostCorners) + ": triangulate it where it was made");
+    scanner.fail("a face has " + fmt::to_string(corners.size()) + " corners, expected at most " +
+                 fmt::to_string(kMostCorners) + ": triangulate it where it was made");
   }
   if (corners.size() < 3) {
     ++cornerless_;
@@ -162,13 +164,13 @@ mesh::Surface Triangles::surface(Notes* notes) const {
   result.patch_names = names_;
   if (warped_ > 0) {
     add_note(notes,
-             std::to_string(warped_) + " polygons are not flat: cut into triangles as they are");
+             fmt::to_string(warped_) + " polygons are not flat: cut into triangles as they are");
   }
   if (cornerless_ > 0) {
-    add_note(notes, std::to_string(cornerless_) + " faces of fewer than three corners left out");
+    add_note(notes, fmt::to_string(cornerless_) + " faces of fewer than three corners left out");
   }
   if (concave_ > 0)
-    add_note(notes, std::to_string(concave_) + " concave polygons cut into triangles");
+    add_note(notes, fmt::to_string(concave_) + " concave polygons cut into triangles");
   return result;
 }
 

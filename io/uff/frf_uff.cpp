@@ -1,5 +1,7 @@
 #include "io/uff/frf_uff.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -30,7 +32,7 @@ bool is_response(const UffFunction& function) {
 }
 
 std::string place(const UffFunction& function) {
-  return "line " + std::to_string(function.line) + " (" + name_of(function.response) + " over " +
+  return "line " + fmt::to_string(function.line) + " (" + name_of(function.response) + " over " +
          name_of(function.reference) + ")";
 }
 
@@ -74,8 +76,8 @@ class Collector {
     const auto times = std::count_if(uff_.functions.begin(), uff_.functions.end(),
                                      [](const auto& f) { return f.type == 1; });
     return "no frequency response (dataset 58, function type 4) among " +
-           std::to_string(uff_.functions.size()) + " functions" +
-           (times > 0 ? "; " + std::to_string(times) + " are time responses" : "");
+           fmt::to_string(uff_.functions.size()) + " functions" +
+           (times > 0 ? "; " + fmt::to_string(times) + " are time responses" : "");
   }
 
   void sort_functions() {
@@ -96,8 +98,8 @@ class Collector {
       }
     }
     for (const auto& [type, count] : others) {
-      file_.notes.push_back(std::to_string(count) + (count == 1 ? " function" : " functions") +
-                            " of type " + std::to_string(type) + ": not frequency responses" +
+      file_.notes.push_back(fmt::to_string(count) + (count == 1 ? " function" : " functions") +
+                            " of type " + fmt::to_string(type) + ": not frequency responses" +
                             (type == 4 ? " with a phase" : "") + ", not read");
     }
   }
@@ -107,15 +109,15 @@ class Collector {
     const auto lines = hertz_of(first);
     for (Index k = 0; k < lines.size(); ++k) {
       if (lines(k) >= 0.0 && (k == 0 || lines(k) > lines(k - 1))) continue;
-      fail(place(first) + ": value " + std::to_string(k + 1) + " is at " +
-           std::to_string(lines(k)) + " Hz; expected ascending frequencies, 0 or more");
+      fail(place(first) + ": value " + fmt::to_string(k + 1) + " is at " +
+           fmt::format("{:.6g}", lines(k)) + " Hz; expected ascending frequencies, 0 or more");
     }
     for (const auto& response : responses_) {
       const auto other = hertz_of(*response.function);
       if (same_lines(other, lines)) continue;
       const auto band = [](const Eigen::VectorXd& f) {
-        return std::to_string(f.size()) + " values from " + std::to_string(f(0)) + " to " +
-               std::to_string(f(f.size() - 1)) + " Hz";
+        return fmt::to_string(f.size()) + " values from " + fmt::format("{:.6g}", f(0)) + " to " +
+               fmt::to_string(f(f.size() - 1)) + " Hz";
       };
       fail("unequal frequency lines: " + place(first) + " has " + band(lines) + ", " +
            place(*response.function) + " has " + band(other));
@@ -129,7 +131,7 @@ class Collector {
       io::require_room(file_.set, file_.set.line_count(), coherences_.empty() ? 0 : 1,
                        options_.limit_bytes);
     } catch (const InvalidInput& e) {
-      fail(e.what() + (" (it has " + std::to_string(responses_.size()) + " responses)"));
+      fail(e.what() + (" (it has " + fmt::to_string(responses_.size()) + " responses)"));
     }
   }
 
@@ -180,7 +182,7 @@ class Collector {
 
   void repeated(const UffFunction& first, const UffFunction& second) {
     if (first.y == second.y) {
-      add_note(place(second) + " repeats that of line " + std::to_string(first.line) +
+      add_note(place(second) + " repeats that of line " + fmt::to_string(first.line) +
                ": not read");
     } else {
       fail("two responses of one pair that differ: " + place(first) + " and " + place(second));
@@ -212,7 +214,7 @@ class Collector {
       }
     }
     if (lost > 0) {
-      file_.notes.push_back(std::to_string(lost) +
+      file_.notes.push_back(fmt::to_string(lost) +
                             " coherences have no response of the same pair and lines: not read");
     }
   }

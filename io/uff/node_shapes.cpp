@@ -1,5 +1,7 @@
 #include "io/node_shapes.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -24,9 +26,9 @@ void refuse_own_systems(const Uff& uff, const UffShape& shape, const std::string
   for (const auto node : shape.nodes) {
     const auto found = uff.node_systems.find(node);
     if (found == uff.node_systems.end() || found->second.displacement == 0) continue;
-    throw InvalidInput(name + ": line " + std::to_string(shape.line) +
-                       ": the displacements of node " + std::to_string(node) +
-                       " have the coordinate system " + std::to_string(found->second.displacement) +
+    throw InvalidInput(name + ": line " + fmt::to_string(shape.line) +
+                       ": the displacements of node " + fmt::to_string(node) +
+                       " have the coordinate system " + fmt::to_string(found->second.displacement) +
                        "; expected the global one");
   }
 }

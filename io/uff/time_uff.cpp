@@ -1,5 +1,7 @@
 #include "io/uff/time_uff.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -94,10 +96,10 @@ class RecordCollector {
     }
     if (parts_.empty()) {
       fail("no time response (dataset 58, function type 1) among " +
-           std::to_string(uff_.functions.size()) + " functions");
+           fmt::to_string(uff_.functions.size()) + " functions");
     }
     if (others > 0) {
-      file_.notes.push_back(std::to_string(others) + " other functions: not read");
+      file_.notes.push_back(fmt::to_string(others) + " other functions: not read");
     }
     finish();
     return std::move(file_);
@@ -115,7 +117,7 @@ class RecordCollector {
   [[noreturn]] void fail(const std::string& what) const { throw InvalidInput(name_ + ": " + what); }
 
   [[nodiscard]] std::string place(const UffFunction& function) const {
-    return "line " + std::to_string(function.line) + " (" + names_.of(function) + ")";
+    return "line " + fmt::to_string(function.line) + " (" + names_.of(function) + ")";
   }
 
   std::vector<modal::MeasuredChannel>& channels(Side side) {
@@ -162,15 +164,15 @@ class RecordCollector {
     if (!(step > 0.0)) fail(place(function) + ": the time does not ascend");
     for (Index k = 0; k < x.size(); ++k) {
       if (std::abs(x(k) - x(0) - step * static_cast<double>(k)) < 0.01 * step) continue;
-      fail(place(function) + ": sample " + std::to_string(k + 1) + " is at " +
-           std::to_string(x(k)) + " s; expected one step from sample to sample");
+      fail(place(function) + ": sample " + fmt::to_string(k + 1) + " is at " +
+           fmt::format("{:.6g}", x(k)) + " s; expected one step from sample to sample");
     }
     const double first = x(1) - x(0);
     const double found = std::abs(first - step) < 1e-12 * step ? first : step;
     if (file_.data.sample_time_s == 0.0) file_.data.sample_time_s = found;
     if (std::abs(found - file_.data.sample_time_s) < 1e-6 * found) return;
-    fail(place(function) + ": a sample each " + std::to_string(found) + " s, others each " +
-         std::to_string(file_.data.sample_time_s) + " s");
+    fail(place(function) + ": a sample each " + fmt::format("{:.6g}", found) + " s, others each " +
+         fmt::format("{:.6g}", file_.data.sample_time_s) + " s");
   }
 
   void finish() {
@@ -219,14 +221,14 @@ class RecordCollector {
     const auto all = data.outputs.size() + data.inputs.size() + data.references.size();
     if (parts.size() != all) {
       fail("the recording of " + place(*parts.front().function) + " has " +
-           std::to_string(parts.size()) + " channels, there are " + std::to_string(all) +
+           fmt::to_string(parts.size()) + " channels, there are " + fmt::to_string(all) +
            " in the file");
     }
     for (const auto& part : parts) {
       if (part.function->y.size() != n) {
-        fail("unequal lengths: " + place(*parts.front().function) + " has " + std::to_string(n) +
+        fail("unequal lengths: " + place(*parts.front().function) + " has " + fmt::to_string(n) +
              " samples, " + place(*part.function) + " has " +
-             std::to_string(part.function->y.size()));
+             fmt::to_string(part.function->y.size()));
       }
       if (!part.function->y.allFinite()) fail(place(*part.function) + ": a sample is no number");
       (record.*kParts[static_cast<std::size_t>(part.side)]).col(part.channel) =
@@ -275,7 +277,7 @@ std::string time_uff(const identification::TimeData& data, UffEncoding encoding)
   function.abscissa.type = 17;
   function.abscissa.label = "Time";
   function.abscissa.unit = "s";
-  if (data.period > 0) function.id[2] = std::string(kPeriod) + std::to_string(data.period);
+  if (data.period > 0) function.id[2] = std::string(kPeriod) + fmt::to_string(data.period);
   for (const auto& record : data.records) {
     function.load_case = record.experiment;
     function.version = record.realisation;

@@ -1,5 +1,7 @@
 #include "io/uff/uff.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <set>
 
@@ -43,7 +45,7 @@ class UffReader {
                       "have them");
     for (const auto& [number, count] : unknown_) {
       uff_.notes.push_back("dataset " + number +
-                           (count > 1 ? ", " + std::to_string(count) + " times" : "") +
+                           (count > 1 ? ", " + fmt::to_string(count) + " times" : "") +
                            ": not read");
     }
     for (auto& function : uff_.functions) {
@@ -57,7 +59,7 @@ class UffReader {
     const std::size_t before = lines_.left();
     while (!lines_.at_end() && trimmed(lines_.peek()) != "-1") {
       if (!trimmed(lines_.peek()).empty() && before == lines_.left()) {
-        uff_.notes.push_back("line " + std::to_string(lines_.line()) +
+        uff_.notes.push_back("line " + fmt::to_string(lines_.line()) +
                              " and what follows up to the first -1: not read");
       }
       lines_.take();
@@ -71,7 +73,7 @@ class UffReader {
     const std::string number = dataset_number(head);
     lines_.enter(number, at);
     if (number.empty()) {
-      require(any_, name_ + ": line " + std::to_string(at) + ": found " + shown(head) +
+      require(any_, name_ + ": line " + fmt::to_string(at) + ": found " + shown(head) +
                         ", expected the number of a dataset");
       lines_.enter(last_, at);
       lines_.fail("found " + shown(trimmed(head)) + ", expected -1 and the number of a dataset");
@@ -81,7 +83,7 @@ class UffReader {
     read_dataset(number, head);
     while (!lines_.at_end() && trimmed(lines_.peek()).empty()) lines_.take();
     if (lines_.at_end()) {
-      uff_.notes.push_back("dataset " + number + " from line " + std::to_string(at) +
+      uff_.notes.push_back("dataset " + number + " from line " + fmt::to_string(at) +
                            " ends without -1");
     } else if (lines_.at_delimiter()) {
       lines_.take();
@@ -133,7 +135,7 @@ class UffReader {
     const std::size_t from = lines_.line();
     to_delimiter();
     lines_.take();
-    uff_.notes.push_back("dataset " + number + ": lines from " + std::to_string(from) +
+    uff_.notes.push_back("dataset " + number + ": lines from " + fmt::to_string(from) +
                          " on are more than it says: not read");
   }
 
@@ -196,7 +198,7 @@ class UffReader {
     }
     const auto [place, is_new] = uff_.nodes.emplace(label, position);
     if (is_new || place->second == position) return;
-    uff_.notes.push_back("node " + std::to_string(label) + " has two places: the first is taken");
+    uff_.notes.push_back("node " + fmt::to_string(label) + " has two places: the first is taken");
   }
 
   void node_of_15() {

@@ -1,4 +1,6 @@
 // Reads the numbers of dataset 58b. The stated lengths may be wrong.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -38,10 +40,10 @@ Head read_head(const UffLines& lines, const std::string& line) {
   head.format = uff_integer(lines, words[1], "format of numbers");
   head.bytes = uff_integer(lines, words[3], "number of bytes");
   if (head.format != 2) {
-    lines.fail("format of numbers " + std::to_string(head.format) + ", expected 2 (IEEE 754)");
+    lines.fail("format of numbers " + fmt::to_string(head.format) + ", expected 2 (IEEE 754)");
   }
   if (head.order != 1 && head.order != 2) {
-    lines.fail("byte order " + std::to_string(head.order) +
+    lines.fail("byte order " + fmt::to_string(head.order) +
                ", expected 1 (little endian) or 2 (big endian)");
   }
   return head;
@@ -145,17 +147,17 @@ std::vector<double> uff_binary_numbers(UffLines& lines, const std::string& head,
   const auto packings = packings_of(points, ordinate_type, even);
   const auto found = packing(lines, packings, said);
   if (!found) {
-    lines.fail(std::to_string(points) + " values are " + std::to_string(packings.front().size) +
-               " bytes, the head says " + std::to_string(said.bytes) + " and the file has " +
-               std::to_string(lines.left()) + " left; no -1 stands where they end" +
+    lines.fail(fmt::to_string(points) + " values are " + fmt::to_string(packings.front().size) +
+               " bytes, the head says " + fmt::to_string(said.bytes) + " and the file has " +
+               fmt::to_string(lines.left()) + " left; no -1 stands where they end" +
                (lines.left() < packings.front().size
                     ? " (the file is cut off)"
                     : " (was the file sent as text, which changes line ends?)"));
   }
-  const std::string at = "dataset 58b before line " + std::to_string(lines.line());
+  const std::string at = "dataset 58b before line " + fmt::to_string(lines.line());
   if (static_cast<std::size_t>(std::max(said.bytes, 0LL)) != found->size + found->skipped) {
-    notes.push_back(at + ": its head says " + std::to_string(said.bytes) + " bytes, it has " +
-                    std::to_string(found->size));
+    notes.push_back(at + ": its head says " + fmt::to_string(said.bytes) + " bytes, it has " +
+                    fmt::to_string(found->size));
   }
   const auto bytes = lines.rest().substr(found->start, found->size);
   const bool is_complex = ordinate_type >= 5;
@@ -170,7 +172,7 @@ std::vector<double> uff_binary_numbers(UffLines& lines, const std::string& head,
   }
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     if (is_measurable(numbers[k])) continue;
-    lines.fail("number " + std::to_string(k + 1) + ": " + not_measurable(numbers[k]));
+    lines.fail("number " + fmt::to_string(k + 1) + ": " + not_measurable(numbers[k]));
   }
   lines.skip(found->start + found->size + found->skipped);
   return numbers;

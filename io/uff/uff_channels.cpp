@@ -1,5 +1,7 @@
 #include "io/uff/uff_channels.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -84,7 +86,7 @@ std::vector<modal::MeasuredChannel> UffChannels::channels() const {
 
 std::string name_of(const UffDof& dof) {
   constexpr const char* axes[] = {"", "x", "y", "z", "rx", "ry", "rz"};
-  return (dof.direction < 0 ? "-" : "") + std::to_string(dof.node) +
+  return (dof.direction < 0 ? "-" : "") + fmt::to_string(dof.node) +
          axes[static_cast<std::size_t>(std::abs(dof.direction))];
 }
 
@@ -114,7 +116,7 @@ UffScale motion_scale(const UffAxis& axis, const std::optional<UffUnits>& units)
     scale.unit = si_of(*scale.kind);
   } else if (std::abs(scale.factor / units->length - 1.0) > 1e-3) {
     scale.note = "the unit " + shown(axis.unit) + " is not that of dataset 164 (" +
-                 std::to_string(units->length) + " m): the unit beside the values is taken";
+                 fmt::format("{:.6g}", units->length) + " m): the unit beside the values is taken";
   }
   return scale;
 }
@@ -126,7 +128,7 @@ UffScale force_scale(const UffAxis& axis, const std::optional<UffUnits>& units) 
     scale.unit = "N";
     if (units && std::abs(scale.factor / units->force - 1.0) > 1e-3) {
       scale.note = "the unit " + shown(axis.unit) + " is not that of dataset 164 (" +
-                   std::to_string(units->force) + " N): the unit beside the values is taken";
+                   fmt::format("{:.6g}", units->force) + " N): the unit beside the values is taken";
     }
   } else if (units && (axis.type == 13 || axis.type == 9)) {
     scale.factor = units->force;

@@ -1,4 +1,6 @@
 // Reads datasets 58 and 58b: functions at nodal degrees of freedom.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,7 +31,7 @@ std::string word_of(std::string_view field) {
 int direction_of(const UffLines& lines, std::string_view word) {
   const auto direction = uff_integer(lines, word, "direction");
   if (direction >= -6 && direction <= 6) return static_cast<int>(direction);
-  lines.fail("direction " + std::to_string(direction) + ", expected -6 to 6");
+  lines.fail("direction " + fmt::to_string(direction) + ", expected -6 to 6");
 }
 
 constexpr std::array<std::size_t, 5> kFilled{0, 2, 5, 6, 8};  // whole numbers in record 6
@@ -69,7 +71,7 @@ void read_degrees(UffLines& lines, UffFunction& function) {
   const std::string line(lines.filled_record("function type"));
   const auto words = degree_fields(lines, line);
   const auto type = uff_integer(lines, words[0], "function type");
-  if (type < 0 || type > 1000) lines.fail("function type " + std::to_string(type));
+  if (type < 0 || type > 1000) lines.fail("function type " + fmt::to_string(type));
   function.type = static_cast<int>(type);
   function.version = uff_integer(lines, words[2], "version");
   function.load_case = uff_integer(lines, words[3], "load case");
@@ -102,20 +104,20 @@ Form read_form(UffLines& lines) {
   Form form;
   const auto type = uff_integer(lines, words[0], "ordinate data type");
   if (type != 2 && type != 4 && type != 5 && type != 6) {
-    lines.fail("ordinate data type " + std::to_string(type) +
+    lines.fail("ordinate data type " + fmt::to_string(type) +
                ", expected 2 or 4 (real), 5 or 6 (complex)");
   }
   form.ordinate_type = static_cast<int>(type);
   const auto points = uff_integer(lines, words[1], "number of values");
   if (points < 1 || static_cast<unsigned long long>(points) > lines.left()) {
-    lines.fail(std::to_string(points) + " values, the file has " + std::to_string(lines.left()) +
+    lines.fail(fmt::to_string(points) + " values, the file has " + fmt::to_string(lines.left()) +
                " bytes left");
   }
   form.points = static_cast<std::size_t>(points);
   lines.take_room(kBytesPerPoint * static_cast<double>(points));
   const auto even = uff_integer(lines, words[2], "abscissa spacing");
   if (even != 0 && even != 1)
-    lines.fail("abscissa spacing " + std::to_string(even) + ", expected 0 (uneven) or 1 (even)");
+    lines.fail("abscissa spacing " + fmt::to_string(even) + ", expected 0 (uneven) or 1 (even)");
   form.even = even == 1;
   const auto number = [&](std::string_view word, const char* what) {
     const auto value = number_in(trimmed(word));
@@ -137,7 +139,7 @@ UffAxis read_axis(UffLines& lines, const char* what) {
   UffAxis axis;
   const auto small = [&](std::string_view word, const char* name, long long most) {
     const auto value = uff_integer(lines, word, name);
-    if (value < -most || value > most) lines.fail(std::string(name) + " " + std::to_string(value));
+    if (value < -most || value > most) lines.fail(std::string(name) + " " + fmt::to_string(value));
     return static_cast<int>(value);
   };
   axis.type = small(words[0], "type of data", 1000);
@@ -182,10 +184,10 @@ void note_rounding(const UffFunction& function, const Form& form, std::string_vi
   if (std::abs(mantissa / 10.0 - std::round(mantissa / 10.0)) < 1e-6) return;  // or fewer
   const double off = 0.5 * decade * static_cast<double>(form.points);
   if (off < 0.05 * form.step) return;
-  notes.push_back("function of line " + std::to_string(function.line) + ": the increment " +
+  notes.push_back("function of line " + fmt::to_string(function.line) + ": the increment " +
                   std::string(name) + " has six digits, so that the last of " +
-                  std::to_string(form.points) + " lines may be off by up to " +
-                  std::to_string(off));
+                  fmt::to_string(form.points) + " lines may be off by up to " +
+                  fmt::format("{:.6g}", off));
 }
 
 }  // namespace
@@ -221,12 +223,12 @@ std::vector<double> uff_text_numbers(UffLines& lines, std::size_t count,
   while (numbers.size() < count) {
     if (lines.at_delimiter()) {
       lines.fail((lines.at_end() ? "the file ends" : "the dataset ends") + std::string(" after ") +
-                 std::to_string(numbers.size()) + " numbers, expected " + std::to_string(count));
+                 fmt::to_string(numbers.size()) + " numbers, expected " + fmt::to_string(count));
     }
     const auto line = lines.peek();
     const std::size_t end = take_numbers(lines, line, count, numbers);
     if (numbers.size() == count && !trimmed(line.substr(end)).empty()) {
-      notes.push_back("line " + std::to_string(lines.line()) +
+      notes.push_back("line " + fmt::to_string(lines.line()) +
                       " has more numbers than the dataset says");
     }
     if (numbers.size() == count && line.size() == lines.left()) {
@@ -257,7 +259,7 @@ UffFunction uff_function(UffLines& lines, std::string_view head, std::vector<std
                                                             form.ordinate_type, form.even, notes)
                                        : uff_text_numbers(lines, each * form.points, notes);
   place_values(numbers, form, lines, function);
-  note_rounding(function, form, std::to_string(form.step), notes);
+  note_rounding(function, form, fmt::format("{:.6g}", form.step), notes);
   return function;
 }
 

@@ -1,4 +1,6 @@
 // Reads datasets 82 and 2412: what joins the nodes of a geometry.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -33,7 +35,7 @@ std::vector<long long> integers(UffLines& lines, long long count, const char* wh
     for (const auto word : integers_in(line)) numbers.push_back(uff_integer(lines, word, what));
   }
   if (std::ssize(numbers) != count) {
-    lines.fail(std::to_string(numbers.size()) + " numbers, expected " + std::to_string(count) +
+    lines.fail(fmt::to_string(numbers.size()) + " numbers, expected " + fmt::to_string(count) +
                ": " + what);
   }
   return numbers;
@@ -42,7 +44,7 @@ std::vector<long long> integers(UffLines& lines, long long count, const char* wh
 long long count_of(UffLines& lines, std::string_view word, const char* what) {
   const auto count = uff_integer(lines, word, what);
   if (count < 0 || count > kMostNodes) {
-    lines.fail(std::to_string(count) + " nodes, expected 0 to " + std::to_string(kMostNodes));
+    lines.fail(fmt::to_string(count) + " nodes, expected 0 to " + fmt::to_string(kMostNodes));
   }
   return count;
 }

@@ -1,5 +1,7 @@
 #include "io/uff/uff_lines.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "base/error.h"
@@ -71,16 +73,16 @@ std::string_view UffLines::filled_record(std::string_view what) {
 
 void UffLines::take_room(double bytes) {
   if (bytes > static_cast<double>(room_)) {
-    fail("its numbers need " + std::to_string(static_cast<long long>(bytes / 1e6) + 1) +
-         " MB of memory, and " + std::to_string(room_ / 1'000'000) + " MB are left for the file");
+    fail("its numbers need " + fmt::to_string(static_cast<long long>(bytes / 1e6) + 1) +
+         " MB of memory, and " + fmt::to_string(room_ / 1'000'000) + " MB are left for the file");
   }
   room_ -= static_cast<std::size_t>(bytes);
 }
 
 void UffLines::fail(const std::string& message) const {
   throw InvalidInput(file_ + ": dataset " + dataset_ + " (from line " +
-                     std::to_string(dataset_line_) + "), line " + std::to_string(line_) +
-                     ", byte " + std::to_string(at_) + ": " + message);
+                     fmt::to_string(dataset_line_) + "), line " + fmt::to_string(line_) +
+                     ", byte " + fmt::to_string(at_) + ": " + message);
 }
 
 std::optional<double> run_on_number(std::string_view line, std::size_t& at) {

@@ -1,5 +1,7 @@
 #include "io/uff/uff_systems.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
@@ -38,7 +40,7 @@ std::vector<long long> integers_of(UffLines& lines, std::size_t count, const cha
   const auto words = words_of(line);
   if (words.size() < count) {
     lines.fail("found " + shown(trimmed(line)) + ", expected the " + what + ": " +
-               std::to_string(count) + " whole numbers");
+               fmt::to_string(count) + " whole numbers");
   }
   std::vector<long long> numbers;
   for (std::size_t n = 0; n < count; ++n) numbers.push_back(uff_integer(lines, words[n], what));
@@ -57,7 +59,7 @@ void add(std::map<long long, UffSystem>& systems, long long number, const UffSys
 
 int type_of(UffLines& lines, long long type) {
   if (type >= 0 && type <= 2) return static_cast<int>(type);
-  lines.fail("type of a coordinate system " + std::to_string(type) +
+  lines.fail("type of a coordinate system " + fmt::to_string(type) +
              ", expected 0 (Cartesian), 1 (cylindrical) or 2 (spherical)");
 }
 
@@ -119,7 +121,7 @@ UffFrames::Frame UffFrames::frame(long long number, std::size_t depth) const {
   const bool stands_for_global = number == 1 && !uff_.defines_systems;
   if (number == 0 || stands_for_global) return {};
   const auto fail = [&](const std::string& what) {
-    throw InvalidInput("coordinate system " + std::to_string(number) + " " + what);
+    throw InvalidInput("coordinate system " + fmt::to_string(number) + " " + what);
   };
   const auto found = uff_.systems.find(number);
   if (found == uff_.systems.end()) fail("is not in the file (datasets 18 and 2420)");
@@ -153,7 +155,7 @@ Eigen::Matrix3d UffFrames::axes(long long node) const {
   const Eigen::Vector3d from = own.axes.transpose() * (place(node) - own.origin);
   const double radius = std::hypot(from.x(), from.y());
   require(radius > 1e-9 * from.norm() && radius > 0.0,
-          "coordinate system " + std::to_string(number) +
+          "coordinate system " + fmt::to_string(number) +
               " is cylindrical, and the node lies on its axis");
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   turn.topLeftCorner<2, 2>() << from.x() / radius, -from.y() / radius, from.y() / radius,

@@ -1,4 +1,6 @@
 // Exchange for the layout with the smallest expected error of interpolation.
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -192,8 +194,8 @@ class ExchangeSearch {
 void check(const InterpolationProblem& problem) {
   require(problem.rows.allFinite(), "layout: what a candidate sees is not finite");
   require(problem.count >= 1 && problem.count <= problem.rows.rows(),
-          "layout: " + std::to_string(problem.count) + " sites are wanted of " +
-              std::to_string(problem.rows.rows()) + " candidates");
+          "layout: " + fmt::to_string(problem.count) + " sites are wanted of " +
+              fmt::to_string(problem.rows.rows()) + " candidates");
   require(problem.noise.size() == problem.prior.variance.cols() &&
               problem.rows.cols() == problem.prior.variance.rows() &&
               problem.position.rows() == problem.rows.rows(),
@@ -213,8 +215,8 @@ Choice best_interpolation(const InterpolationProblem& problem,
   for (int start = 0; start < options.starts; ++start) {
     const auto layout = search.from_a_start(start, random);
     if (!layout) {
-      require(start > 0, "layout: " + std::to_string(problem.count) + " sites at least " +
-                             std::to_string(1e3 * problem.spacing) + " mm apart do not fit");
+      require(start > 0, "layout: " + fmt::to_string(problem.count) + " sites at least " +
+                             fmt::format("{:.6g}", 1e3 * problem.spacing) + " mm apart do not fit");
       continue;
     }
     if (layout->error() < lowest * (1.0 - 1e-9)) {

@@ -4,16 +4,15 @@
 #include <bit>
 #include <cstdint>
 
+#include "base/cpu_clones.h"
+
 namespace chladni::priors {
 namespace {
 
 // x = k ln 2 + r, |r| ≤ ln 2 / 2. The Taylor series of e^r to the thirteenth power has an error of
 // 4e-18. The addition of 1.5·2⁵² leaves k in the lowest bits. The compiler makes one version for
 // each kind of processor.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_THREAD__)
-__attribute__((target_clones("avx512f", "avx2,fma", "default")))
-#endif
+CHLADNI_WIDE
 void exponentiate_all(double* x, std::ptrdiff_t count) {
   constexpr double kShift = 6755399441055744.0;
   constexpr double kLogTwoHigh = 6.93145751953125e-1;

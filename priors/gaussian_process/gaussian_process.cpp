@@ -1,5 +1,7 @@
 #include "priors/gaussian_process/gaussian_process.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -23,18 +25,18 @@ double log_determinant_of(const Eigen::MatrixXd& factor) {
 GaussianProcess::GaussianProcess(GaussianPrior prior, const Points& points,
                                  const Eigen::VectorXd& noise_variance)
     : prior_(std::move(prior)), points_(points), noise_(noise_variance) {
-  require(noise_.size() == points_.rows(), "Gaussian process: " + std::to_string(points_.rows()) +
-                                               " points and " + std::to_string(noise_.size()) +
+  require(noise_.size() == points_.rows(), "Gaussian process: " + fmt::to_string(points_.rows()) +
+                                               " points and " + fmt::to_string(noise_.size()) +
                                                " noise variances; expected as many");
   require(points_.allFinite() && noise_.allFinite() && (noise_.array() >= 0.0).all(),
           "Gaussian process: a point or noise variance is not finite, or the latter is negative");
   require(prior_.amplitude > 0.0 && std::isfinite(prior_.amplitude),
-          "Gaussian process: the amplitude is " + std::to_string(prior_.amplitude) +
+          "Gaussian process: the amplitude is " + fmt::format("{:.6g}", prior_.amplitude) +
               "; expected a positive one");
   trend_ = prior_.trend.at(points_);
   require(trend_.cols() < points_.rows(),
-          "Gaussian process: " + std::to_string(points_.rows()) + " values and a trend of " +
-              std::to_string(trend_.cols()) + " functions; expected more values");
+          "Gaussian process: " + fmt::to_string(points_.rows()) + " values and a trend of " +
+              fmt::to_string(trend_.cols()) + " functions; expected more values");
   factorise();
 }
 
@@ -70,8 +72,8 @@ void GaussianProcess::factorise() {
 }
 
 void GaussianProcess::require_values(const Eigen::MatrixXd& values) const {
-  require(values.rows() == points_.rows(), "Gaussian process: " + std::to_string(values.rows()) +
-                                               " values at " + std::to_string(points_.rows()) +
+  require(values.rows() == points_.rows(), "Gaussian process: " + fmt::to_string(values.rows()) +
+                                               " values at " + fmt::to_string(points_.rows()) +
                                                " points; expected as many");
 }
 

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "base/error.h"
@@ -8,7 +10,7 @@ namespace {
 
 void require_sound(const Kernel& kernel, const Task& task, int lengths) {
   require(kernel.parameter_count() == 1, "matched length: kernel " + kernel.name() + " has " +
-                                             std::to_string(kernel.parameter_count()) +
+                                             fmt::to_string(kernel.parameter_count()) +
                                              " hyper-parameters; expected one");
   require(task.at_places.rows() == task.places.rows() &&
               task.on_surface.rows() == task.surface.rows() &&

@@ -1,4 +1,6 @@
 // Shapes from an ensemble of models that differ from the simulation in its uncertain parameters.
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
 #include <array>
 #include <cmath>
@@ -50,7 +52,7 @@ Eigen::MatrixXd root_of(const MeasuredShapes& measured, Eigen::Index mode,
       mixture.residual * residual.variance / residual.variance.dot(basis.gram.diagonal());
   const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
   if (factor.info() != Eigen::Success) {
-    throw NumericalFailure("ensemble: mode " + std::to_string(mode + 1) +
+    throw NumericalFailure("ensemble: mode " + fmt::to_string(mode + 1) +
                            " has no positive definite prior");
   }
   return factor.matrixL();

@@ -115,7 +115,7 @@ void note_nothing(const std::string& method, const Points& places, const Simulat
   std::string modes;
   for (Eigen::Index i = 0; i < length.size(); ++i) {
     if (part_told_as_nothing(places, simulation, length(i)) < kMost) continue;
-    modes += (modes.empty() ? "" : ", ") + std::to_string(i + 1);
+    modes += (modes.empty() ? "" : ", ") + fmt::to_string(i + 1);
   }
   if (modes.empty()) return;
   summary.notes.push_back(

@@ -1,4 +1,6 @@
 // Sums of the simulation's modes with the same prior for every real shape.
+#include <fmt/format.h>
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -75,7 +77,7 @@ std::unique_ptr<ModeField> least_squares(const MeasuredShapes& measured,
       {"modes", "1", Eigen::VectorXd::Constant(1, static_cast<double>(k))},
       {"condition", "1",
        Eigen::VectorXd::Constant(1, diagonal.maxCoeff() / std::max(diagonal.minCoeff(), 1e-300))}};
-  summary.notes.push_back("the deviation is that of the noise alone: what " + std::to_string(k) +
+  summary.notes.push_back("the deviation is that of the noise alone: what " + fmt::to_string(k) +
                           " modes cannot show is not in it");
   return std::make_unique<ModalField>(std::move(shapes), std::move(summary));
 }

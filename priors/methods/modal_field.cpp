@@ -50,8 +50,8 @@ void ModalField::add_deviations(const Places& places, Eigen::Index first, Eigen:
 Field ModalField::at(const Places& places) const {
   const auto n = places.count();
   require(places.shapes.rows() == n && places.shapes.cols() == means_.rows(),
-          "mode field: the places carry " + std::to_string(places.shapes.cols()) +
-              " modes of the simulation; expected " + std::to_string(means_.rows()));
+          "mode field: the places carry " + fmt::to_string(places.shapes.cols()) +
+              " modes of the simulation; expected " + fmt::to_string(means_.rows()));
   Field field{Eigen::MatrixXd(n, means_.cols()), Eigen::MatrixXd(n, means_.cols())};
   for_blocks(n, [&](Eigen::Index first, Eigen::Index count) {
     field.mean.middleRows(first, count).noalias() = places.shapes.middleRows(first, count) * means_;

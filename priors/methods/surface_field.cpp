@@ -20,9 +20,9 @@ namespace {
 const Eigen::MatrixXd& harmonics_of(const Places& places, Eigen::Index count) {
   require(places.harmonics.rows() == places.count() && places.harmonics.cols() == count,
           "surface_matern needs the surface's harmonics at every place; expected " +
-              std::to_string(places.count()) + "x" + std::to_string(count) + ", found " +
-              std::to_string(places.harmonics.rows()) + "x" +
-              std::to_string(places.harmonics.cols()));
+              fmt::to_string(places.count()) + "x" + fmt::to_string(count) + ", found " +
+              fmt::to_string(places.harmonics.rows()) + "x" +
+              fmt::to_string(places.harmonics.cols()));
   return places.harmonics;
 }
 
@@ -123,7 +123,7 @@ std::unique_ptr<ModeField> surface_matern(const MeasuredShapes& measured,
                                           const Simulation& simulation) {
   const auto h = simulation.harmonic_eigenvalue.size();
   require(h > 1, "surface_matern needs the harmonics of the surface; the simulation has " +
-                     std::to_string(h));
+                     fmt::to_string(h));
   const auto& harmonics = harmonics_of(measured.places, h);
   const Eigen::VectorXd mean_square = harmonics_of(simulation.surface, h).cwiseAbs2().transpose() *
                                       simulation.area / simulation.area.sum();

@@ -150,7 +150,7 @@ std::unique_ptr<ModeField> thin_plate_spline(const MeasuredShapes& measured,
                                              const SplineOptions& options) {
   const auto m = measured.mode_count();
   require(measured.places.count() >= 3,
-          "thin plate spline: " + std::to_string(measured.places.count()) +
+          "thin plate spline: " + fmt::to_string(measured.places.count()) +
               " places, expected three or more");
   auto domain = spline_domain(measured.places);
   const Eigen::MatrixXd knots = coordinates(domain, measured.places.position);

@@ -1,5 +1,7 @@
 #include "priors/spline/smoother.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -48,9 +50,9 @@ Smoother::Smoother(const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& trend,
   const auto n = kernel.rows();
   const auto p = trend.cols();
   require(kernel.cols() == n && trend.rows() == n && deviation.size() == n && n >= p && p > 0,
-          "smoother: the kernel has " + std::to_string(n) + " rows, the free part " +
-              std::to_string(trend.rows()) + " and " + std::to_string(p) + " columns, the noise " +
-              std::to_string(deviation.size()) + "; expected n, n, p <= n and n");
+          "smoother: the kernel has " + fmt::to_string(n) + " rows, the free part " +
+              fmt::to_string(trend.rows()) + " and " + fmt::to_string(p) + " columns, the noise " +
+              fmt::to_string(deviation.size()) + "; expected n, n, p <= n and n");
   require(deviation.allFinite() && deviation.minCoeff() > 0.0,
           "smoother: a deviation is not positive");
   const Eigen::VectorXd inverse = deviation.cwiseInverse();
@@ -82,15 +84,16 @@ void Smoother::decompose(const Eigen::MatrixXd& rest) {
   const double rounding = kRounding * scaled_.norm();
   if (eigenvalue_.minCoeff() < -kIndefinite * largest - rounding) {
     throw NumericalFailure("smoother: the kernel is not positive semidefinite, one eigenvalue is " +
-                           std::to_string(eigenvalue_.minCoeff() / largest) + " of the largest");
+                           fmt::format("{:.6g}", eigenvalue_.minCoeff() / largest) +
+                           " of the largest");
   }
   eigenvalue_ = (eigenvalue_.array() > kNoEnergy * largest + rounding).select(eigenvalue_, 0.0);
 }
 
 Eigen::ArrayXd Smoother::contrasts(const Eigen::VectorXd& values) const {
-  require(values.size() == deviation_.size(), "smoother: " + std::to_string(values.size()) +
+  require(values.size() == deviation_.size(), "smoother: " + fmt::to_string(values.size()) +
                                                   " values, expected " +
-                                                  std::to_string(deviation_.size()));
+                                                  fmt::to_string(deviation_.size()));
   return directions_.transpose() * values.cwiseQuotient(deviation_);
 }
 

@@ -1,5 +1,7 @@
 #include "priors/spline/surface_kernel.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -26,9 +28,9 @@ std::pair<double, double> length_range(const Eigen::VectorXd& eigenvalue) {
 Eigen::VectorXd harmonic_variances(const Eigen::VectorXd& eigenvalue,
                                    const Eigen::VectorXd& mean_square, double length,
                                    double smoothness) {
-  require(length > 0.0 && smoothness > 0.0, "surface kernel: length " + std::to_string(length) +
-                                                " m, smoothness " + std::to_string(smoothness) +
-                                                "; expected more than 0");
+  require(length > 0.0 && smoothness > 0.0,
+          "surface kernel: length " + fmt::format("{:.6g}", length) + " m, smoothness " +
+              fmt::format("{:.6g}", smoothness) + "; expected more than 0");
   const Eigen::ArrayXd square = eigenvalue.array().max(0.0) * length * length;
   const Eigen::VectorXd density =
       std::isinf(smoothness)
@@ -41,8 +43,8 @@ Eigen::VectorXd harmonic_variances(const Eigen::VectorXd& eigenvalue,
 Eigen::MatrixXd surface_covariance(const Eigen::VectorXd& variances, const Eigen::MatrixXd& a,
                                    const Eigen::MatrixXd& b) {
   require(a.cols() == variances.size() && b.cols() == a.cols(),
-          "surface kernel: " + std::to_string(a.cols()) + " and " + std::to_string(b.cols()) +
-              " harmonics, expected " + std::to_string(variances.size()));
+          "surface kernel: " + fmt::to_string(a.cols()) + " and " + fmt::to_string(b.cols()) +
+              " harmonics, expected " + fmt::to_string(variances.size()));
   return a * variances.asDiagonal() * b.transpose();
 }
 
@@ -57,9 +59,9 @@ SurfaceFit surface_fit(const Eigen::VectorXd& values, const Eigen::VectorXd& noi
   require(harmonics.rows() == values.size() && noise.size() == values.size() &&
               harmonics.cols() == eigenvalue.size() && mean_square.size() == eigenvalue.size() &&
               eigenvalue.size() > 1,
-          "surface kernel: harmonics are " + std::to_string(harmonics.rows()) + "x" +
-              std::to_string(harmonics.cols()) + "; expected places x eigenvalues, " +
-              std::to_string(values.size()) + "x" + std::to_string(eigenvalue.size()));
+          "surface kernel: harmonics are " + fmt::to_string(harmonics.rows()) + "x" +
+              fmt::to_string(harmonics.cols()) + "; expected places x eigenvalues, " +
+              fmt::to_string(values.size()) + "x" + fmt::to_string(eigenvalue.size()));
   const double level = std::exp(noise.array().log().mean());
   const auto [low, high] = length_range(eigenvalue);
   SurfaceFit best;

@@ -1,5 +1,7 @@
 #include "priors/spline/thin_plate_spline.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/SVD>
 #include <cmath>
 #include <numbers>
@@ -13,7 +15,8 @@ namespace chladni::priors {
 namespace {
 
 std::string degrees(double cosine) {
-  return std::to_string(std::acos(std::min(std::abs(cosine), 1.0)) * 180.0 / std::numbers::pi);
+  return fmt::format("{:.6g}",
+                     std::acos(std::min(std::abs(cosine), 1.0)) * 180.0 / std::numbers::pi);
 }
 
 // Gives each axis a sign: its largest entry is positive.
@@ -60,7 +63,7 @@ Eigen::VectorXd senses(const Eigen::Vector3d& direction, const Points& direction
     const double length = directions.row(k).norm();
     const double cosine = directions.row(k).dot(direction.transpose()) / length;
     require(length > 0.0 && std::abs(cosine) > 1.0 - Constants::parallel,
-            "interpolation: place " + std::to_string(k + 1) + " is measured or asked for " +
+            "interpolation: place " + fmt::to_string(k + 1) + " is measured or asked for " +
                 degrees(cosine) +
                 " degrees away from the first one's direction; expected one "
                 "direction for all, as across a plate");

@@ -109,7 +109,7 @@ std::string hammer_text(const steps::DesignedExperiment& designed) {
           : ", no exponential window: the responses come to rest");
   io::ResultTable table{"Points to hit", {}};
   std::vector<std::string> number;
-  for (std::size_t i = 0; i < design.points.size(); ++i) number.push_back(std::to_string(i + 1));
+  for (std::size_t i = 0; i < design.points.size(); ++i) number.push_back(fmt::to_string(i + 1));
   table.columns = {io::word_column("point", number, 5)};
   table.columns.front().gap = 0;
   for (const int axis : {0, 1, 2}) {
@@ -126,7 +126,7 @@ std::string modes_table(const steps::DesignedExperiment& designed) {
   std::vector<std::string> number, why;
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto& mode = modes[static_cast<std::size_t>(i)];
-    number.push_back(std::to_string(mode.mode - designed.rigid_count + 1));
+    number.push_back(fmt::to_string(mode.mode - designed.rigid_count + 1));
     hz(i) = mode.frequency_hz;
     ratio(i) = mode.damping_ratio;
     hz_std(i) = mode.frequency_std_hz;

@@ -213,7 +213,7 @@ io::ResultTable identified_modes_table(const steps::IdentifiedModel& model) {
   std::vector<io::Json> rigid;
   for (Eigen::Index m = 0; m < modes.mode_count(); ++m) {
     const bool is_rigid = m < modes.rigid_count;
-    number.push_back(std::to_string(m + 1));
+    number.push_back(fmt::to_string(m + 1));
     frequency.push_back(
         is_rigid ? "0, rigid body"
                  : fmt::format("{:.4f} +- {:.2g}", modes.frequency_hz(m), fit.frequency_std_hz(m)));

@@ -41,7 +41,7 @@ io::HeatMapPicture picture_of(const study::Study& study, const stage::Solution& 
     if (places.pairs.empty() && shown[i].score < 0.99 * shown[0].score) break;
     picture.best.push_back(
         {shown[i].position, value_text(*places.criterion, shown[i].score) + ", mode " +
-                                std::to_string(column_of(places, shown[i].limiting) + 1)});
+                                fmt::to_string(column_of(places, shown[i].limiting) + 1)});
   }
   picture.markers = stage::markers_of(study, solution.model);
   picture.markers.resize(study.sensors.size() + study.actuators.size());

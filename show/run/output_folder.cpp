@@ -1,5 +1,7 @@
 #include "show/run/output_folder.h"
 
+#include <fmt/format.h>
+
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -31,7 +33,7 @@ std::string holder(int descriptor) {
 }
 
 void write_own_number(int descriptor, const std::filesystem::path& folder) {
-  const std::string number = std::to_string(getpid()) + "\n";
+  const std::string number = fmt::to_string(getpid()) + "\n";
   if (ftruncate(descriptor, 0) == 0 &&
       pwrite(descriptor, number.data(), number.size(), 0) == static_cast<ssize_t>(number.size())) {
     return;

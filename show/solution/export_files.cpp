@@ -107,7 +107,7 @@ class ChannelTable {
            const std::vector<mesh::Site>& sites) {
     for (std::size_t i = 0; i < channels.size(); ++i) {
       kind_.push_back(kind);
-      number_.push_back(std::to_string(i + 1));
+      number_.push_back(fmt::to_string(i + 1));
       name_.push_back(channels[i].name);
       quantity_.push_back(channels[i].quantity);
       for (int axis = 0; axis < 3; ++axis) {

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "base/error.h"
 #include "io/csv.h"
 #include "io/picture.h"
@@ -18,8 +20,8 @@ void leave_modes(const study::Study& study, const stage::Solution& solution, Run
   leave_modes_uff(study, solution, run);
   if (!markers.empty()) io::write_markers_vtu(run / "channels.vtu", markers);
   if (const int mode = run.options().animate; mode > 0) {
-    require(mode <= modes.mode_count(), "--animate " + std::to_string(mode) + ": there are " +
-                                            std::to_string(modes.mode_count()) + " modes");
+    require(mode <= modes.mode_count(), "--animate " + fmt::to_string(mode) + ": there are " +
+                                            fmt::to_string(modes.mode_count()) + " modes");
     io::write_animation(run / "modes.pvd", model.body, modes, mode - 1);
   }
   leave_control_models(study, solution, run);

@@ -71,7 +71,7 @@ std::string modes_table(const stage::Solution& solution) {
   std::vector<std::string> number, errors, remarks;
   for (Eigen::Index i = 0; i < modes.mode_count(); ++i) {
     const bool rigid = i < modes.rigid_count;
-    number.push_back(std::to_string(i + 1));
+    number.push_back(fmt::to_string(i + 1));
     errors.push_back(rigid ? "" : fmt::format("{:.{}f}", error(i), digits_for(error(i))));
     remarks.push_back(remark(solution, i));
   }

@@ -71,8 +71,8 @@ std::string swap(const Extension& by) {
   set_key(by, a, "name", study::toml_text(b.channel.name));
   set_key(by, b, "name", study::toml_text(a.channel.name));
   if (a.channel.node && b.channel.node) {
-    set_key(by, a, "node", std::to_string(*b.channel.node));
-    set_key(by, b, "node", std::to_string(*a.channel.node));
+    set_key(by, a, "node", fmt::to_string(*b.channel.node));
+    set_key(by, b, "node", fmt::to_string(*a.channel.node));
   }
   return {};
 }
@@ -91,7 +91,7 @@ std::string permute(const Extension& by) {
       return "one of the channels has a node number and another has none";
     }
     set_key(by, channel, "name", study::toml_text(record.channel.name));
-    if (record.channel.node) set_key(by, channel, "node", std::to_string(*record.channel.node));
+    if (record.channel.node) set_key(by, channel, "node", fmt::to_string(*record.channel.node));
   }
   return {};
 }

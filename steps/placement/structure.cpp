@@ -1,4 +1,6 @@
 // The study's plan and structure as the room `placement` takes them.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "base/error.h"
@@ -36,7 +38,7 @@ Eigen::MatrixXd shapes_of_interest(const study::Study& study, const stage::Solut
   std::vector<mesh::Site> points;
   for (const auto& place : plan.interest) {
     const auto site = stage::site_at(finder, place);
-    require(site && site->distance < 1e-3, study.file.string() + ":" + std::to_string(place.line) +
+    require(site && site->distance < 1e-3, study.file.string() + ":" + fmt::to_string(place.line) +
                                                ": a point of interest is not on the body");
     points.push_back(*site);
   }

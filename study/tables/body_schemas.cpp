@@ -1,4 +1,6 @@
 // The keys of the body and of its material.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "study/schemas.h"
@@ -84,7 +86,7 @@ void read_poissons_ratio(TableReader& table, StudyMaterial& material) {
   double ratio = table.required_quantity("poissons_ratio", "1");
   if (!std::isnan(ratio) && !(ratio > -1.0 && ratio < 0.5)) {
     table.wrong(*table.find("poissons_ratio"),
-                table.name("poissons_ratio") + " is " + std::to_string(ratio) +
+                table.name("poissons_ratio") + " is " + fmt::format("{:.6g}", ratio) +
                     "; expected more than -1 and less than 0.5 (0.33 for aluminium)");
     ratio = std::nan("");
   }

@@ -1,4 +1,6 @@
 // [[sensor]], [[actuator]], [[attachment]] and [[support]] of a study.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -65,7 +67,7 @@ void Names::add(TableReader& table, const std::string& name) {
   for (const auto& [other, line] : seen_) {
     if (other != name) continue;
     table.wrong(*node, "two " + what_ + "s are called \"" + name + "\": line " +
-                           std::to_string(line) + " and line " + std::to_string(node->line));
+                           fmt::to_string(line) + " and line " + fmt::to_string(node->line));
     return;
   }
   seen_.emplace_back(name, node->line);

@@ -1,4 +1,6 @@
 // geometry = { ... } and mesh = { ... } of a study.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -124,7 +126,7 @@ void read_geometry_part(TableReader& root, const StudyFolder& folder, Study& stu
   table->refuse_unknown();
   if (found != 1) {
     table->wrong(*root.find("geometry"),
-                 "geometry holds " + std::to_string(found) + " bodies; expected one: " + expected);
+                 "geometry holds " + fmt::to_string(found) + " bodies; expected one: " + expected);
   }
 }
 

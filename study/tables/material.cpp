@@ -1,4 +1,6 @@
 // material = { ... } or [[material]] of a study.
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <cmath>
 
@@ -91,8 +93,8 @@ StudyMaterial material_of(TableReader& table, const TomlNode& node) {
 }
 
 void warn(Study& study, const TomlNode& node, const std::string& message) {
-  study.warnings.push_back(study.file.string() + ":" + std::to_string(node.line) + ":" +
-                           std::to_string(node.column) + ": " + message);
+  study.warnings.push_back(study.file.string() + ":" + fmt::to_string(node.line) + ":" +
+                           fmt::to_string(node.column) + ": " + message);
 }
 
 /// Warns of a value that no solid has: usually the prefix of a unit is missing.

@@ -1,4 +1,6 @@
 // The only file that uses toml++.
+#include <fmt/format.h>
+
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -49,7 +51,7 @@ void take_value(const toml::node& node, TomlNode& out) {
   }
   if (const auto* integer = node.as_integer()) {
     out.number = static_cast<double>(integer->get());
-    out.text = std::to_string(integer->get());
+    out.text = fmt::to_string(integer->get());
   }
 }
 
@@ -72,8 +74,8 @@ TomlNode tree_of(const toml::node& node, const std::string& file, int depth) {
   out.column = static_cast<int>(node.source().begin.column);
   out.end_line = static_cast<int>(node.source().end.line);
   out.end_column = static_cast<int>(node.source().end.column);
-  require(depth <= kDeepest, file + ":" + std::to_string(out.line) + ":" +
-                                 std::to_string(out.column) + ": nested more than 16 deep");
+  require(depth <= kDeepest, file + ":" + fmt::to_string(out.line) + ":" +
+                                 fmt::to_string(out.column) + ": nested more than 16 deep");
   take_value(node, out);
   if (const auto* table = node.as_table()) take_members(*table, file, depth, out);
   if (const auto* array = node.as_array()) {
@@ -89,7 +91,7 @@ std::string description(const TomlNode& node) {
     case TomlNode::Kind::table:
       return "a table";
     case TomlNode::Kind::array:
-      return "an array of " + std::to_string(node.elements.size()) + " values";
+      return "an array of " + fmt::to_string(node.elements.size()) + " values";
     case TomlNode::Kind::text:
       return "the text \"" + node.text + "\"";
     case TomlNode::Kind::integer:
@@ -108,8 +110,8 @@ TomlNode parse_toml(std::string_view bytes, const std::string& file) {
     return tree_of(toml::parse(bytes, file), file, 0);
   } catch (const toml::parse_error& e) {
     const auto place = e.source().begin;
-    throw InvalidInput(file + ":" + std::to_string(place.line) + ":" +
-                       std::to_string(place.column) + ": " + std::string(e.description()));
+    throw InvalidInput(file + ":" + fmt::to_string(place.line) + ":" +
+                       fmt::to_string(place.column) + ": " + std::string(e.description()));
   }
 }
 

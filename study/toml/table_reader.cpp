@@ -1,5 +1,7 @@
 #include "study/toml/table_reader.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
 
@@ -124,13 +126,13 @@ std::optional<Eigen::VectorXd> TableReader::quantities(std::string_view key,
   if (node->kind != TomlNode::Kind::array ||
       static_cast<Eigen::Index>(node->elements.size()) != count) {
     wrong(*node, name(key) + " is " + description(*node) + "; expected an array of " +
-                     std::to_string(count) + ", each " + example_of(si_unit));
+                     fmt::to_string(count) + ", each " + example_of(si_unit));
     return std::nullopt;
   }
   Eigen::VectorXd values(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     values(i) = value_of(node->elements[static_cast<std::size_t>(i)],
-                         name(key) + "[" + std::to_string(i) + "]", si_unit, sign);
+                         name(key) + "[" + fmt::to_string(i) + "]", si_unit, sign);
   }
   if (values.hasNaN()) return std::nullopt;
   return values;
@@ -146,7 +148,7 @@ std::optional<long long> TableReader::integer(std::string_view key, long long le
     return static_cast<long long>(node->number);
   }
   wrong(*node, name(key) + " is " + description(*node) + "; expected a whole number from " +
-                   std::to_string(least) + " to " + std::to_string(most));
+                   fmt::to_string(least) + " to " + fmt::to_string(most));
   return std::nullopt;
 }
 
@@ -223,7 +225,7 @@ std::vector<TableReader> TableReader::tables(std::string_view key) {
   }
   for (std::size_t i = 0; i < node->elements.size(); ++i) {
     const auto& element = node->elements[i];
-    const std::string path = name(key) + "[" + std::to_string(i) + "]";
+    const std::string path = name(key) + "[" + fmt::to_string(i) + "]";
     if (element.kind == TomlNode::Kind::table) {
       out.emplace_back(element, path, *problems_);
     } else {
