@@ -104,7 +104,7 @@ class Reader {
     require(f.size() > 0, "there are no frequencies: the vector is empty");
     for (Index k = 0; k < f.size(); ++k) {
       require(f(k) >= 0.0 && (k == 0 || f(k) > f(k - 1)),
-              "frequency " + fmt::to_string(k + 1) + " is " + fmt::format("{:.6g}", f(k)) +
+              "frequency " + fmt::to_string(k + 1) + " is " + fmt::format("{:.9g}", f(k)) +
                   " Hz; expected ascending frequencies, 0 or more");
     }
   }

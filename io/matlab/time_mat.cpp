@@ -128,7 +128,7 @@ class RecordReader {
     for (Index k = 0; k < time.size(); ++k) {
       require(
           step > 0.0 && std::abs(time(k) - time(0) - step * static_cast<double>(k)) < 0.01 * step,
-          "time_s(" + fmt::to_string(k + 1) + ") is " + fmt::format("{:.6g}", time(k)) +
+          "time_s(" + fmt::to_string(k + 1) + ") is " + fmt::format("{:.9g}", time(k)) +
               "; expected one step from sample to sample");
     }
     const double first = time(1) - time(0);

@@ -173,8 +173,8 @@ void check_frequencies(const CsvTable& table, Index column) {
     if (f >= 0.0 && f > before) continue;
     throw InvalidInput(
         table.file + ": line " + fmt::to_string(table.line[static_cast<std::size_t>(k)]) + ": " +
-        table.names[static_cast<std::size_t>(column)] + " is " + fmt::format("{:.6g}", f) +
-        (k == 0 ? "" : " after " + fmt::format("{:.6g}", before)) +
+        table.names[static_cast<std::size_t>(column)] + " is " + fmt::format("{:.9g}", f) +
+        (k == 0 ? "" : " after " + fmt::format("{:.9g}", before)) +
         "; expected ascending frequencies");
   }
 }

@@ -42,10 +42,7 @@ std::string name_of(const modal::FrfSet& set, Index i, Index j) {
 }
 
 std::string place(const modal::FrfSet& set, Index k) {
-  std::string hertz = fmt::format("{:.6g}", set.frequency_hz(k));
-  hertz.erase(hertz.find_last_not_of('0') + 1);
-  if (hertz.ends_with('.')) hertz.pop_back();
-  return "line " + fmt::to_string(k + 1) + " (" + hertz + " Hz)";
+  return fmt::format("line {} ({:.9g} Hz)", k + 1, set.frequency_hz(k));
 }
 
 /// The numbers of unknown and zero lines of one response, and the first of each.

@@ -110,7 +110,7 @@ class Collector {
     for (Index k = 0; k < lines.size(); ++k) {
       if (lines(k) >= 0.0 && (k == 0 || lines(k) > lines(k - 1))) continue;
       fail(place(first) + ": value " + fmt::to_string(k + 1) + " is at " +
-           fmt::format("{:.6g}", lines(k)) + " Hz; expected ascending frequencies, 0 or more");
+           fmt::format("{:.9g}", lines(k)) + " Hz; expected ascending frequencies, 0 or more");
     }
     for (const auto& response : responses_) {
       const auto other = hertz_of(*response.function);

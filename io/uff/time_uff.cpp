@@ -165,14 +165,14 @@ class RecordCollector {
     for (Index k = 0; k < x.size(); ++k) {
       if (std::abs(x(k) - x(0) - step * static_cast<double>(k)) < 0.01 * step) continue;
       fail(place(function) + ": sample " + fmt::to_string(k + 1) + " is at " +
-           fmt::format("{:.6g}", x(k)) + " s; expected one step from sample to sample");
+           fmt::format("{:.9g}", x(k)) + " s; expected one step from sample to sample");
     }
     const double first = x(1) - x(0);
     const double found = std::abs(first - step) < 1e-12 * step ? first : step;
     if (file_.data.sample_time_s == 0.0) file_.data.sample_time_s = found;
     if (std::abs(found - file_.data.sample_time_s) < 1e-6 * found) return;
-    fail(place(function) + ": a sample each " + fmt::format("{:.6g}", found) + " s, others each " +
-         fmt::format("{:.6g}", file_.data.sample_time_s) + " s");
+    fail(place(function) + ": a sample each " + fmt::format("{:.9g}", found) + " s, others each " +
+         fmt::format("{:.9g}", file_.data.sample_time_s) + " s");
   }
 
   void finish() {

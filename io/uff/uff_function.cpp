@@ -259,7 +259,7 @@ UffFunction uff_function(UffLines& lines, std::string_view head, std::vector<std
                                                             form.ordinate_type, form.even, notes)
                                        : uff_text_numbers(lines, each * form.points, notes);
   place_values(numbers, form, lines, function);
-  note_rounding(function, form, fmt::format("{:.6g}", form.step), notes);
+  note_rounding(function, form, fmt::format("{:.9g}", form.step), notes);
   return function;
 }
 
