@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -43,11 +44,14 @@ double settling_time(const study::ObserverPlan& plan, const modal::KalmanFilter&
   constexpr double kTimeConstants = 5.0;
   if (plan.settle > 0.0) return plan.settle;
   const double slowest = filter.pole.size() > 0 ? filter.pole.cwiseAbs().maxCoeff() : 0.0;
+  if (slowest >= 1.0) return HUGE_VAL;
   return slowest > 0.0 ? kTimeConstants * sample_time_s / -std::log(slowest) : 0.0;
 }
 
 Eigen::Index first_settled(double settle_s, double sample_time_s) {
-  return static_cast<Eigen::Index>(std::ceil(settle_s / sample_time_s));
+  constexpr double kMoreThanAnyRecord = 1e15;  // which an index still holds
+  return static_cast<Eigen::Index>(
+      std::min(std::ceil(settle_s / sample_time_s), kMoreThanAnyRecord));
 }
 
 std::string nothing_settles(const std::string& file, double settle_s) {

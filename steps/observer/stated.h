@@ -22,11 +22,11 @@ namespace chladni::steps {
 [[nodiscard]] double stated_sample_rate(const study::Study& study);
 
 /// [s] of each record in which the filter settles: `settle` of the study, or five time constants of
-/// the filter's slowest pole.
+/// the filter's slowest pole; infinity where that pole is at 1.
 [[nodiscard]] double settling_time(const study::ObserverPlan& plan,
                                    const modal::KalmanFilter& filter, double sample_time_s);
 
-/// The first sample after that.
+/// The first sample after that, more than any record has where it never ends.
 [[nodiscard]] Eigen::Index first_settled(double settle_s, double sample_time_s);
 
 /// Why no record may be used.
