@@ -81,6 +81,17 @@ Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& m) {
   return m.completeOrthogonalDecomposition().pseudoInverse();
 }
 
+// The whole samples, one or more, that the computer takes.
+Eigen::Index samples_of(double delay_s, double sample_time_s) {
+  constexpr double kMost = 1000.0;  // each is a state of the loop
+  const double samples = std::ceil(delay_s / sample_time_s - 1e-9);
+  require(samples <= kMost,
+          fmt::format("observer.loop: a delay of {:.4g} s is {:.4g} samples; expected at most {:g} "
+                      "samples",
+                      delay_s, samples, kMost));
+  return std::max<Eigen::Index>(1, static_cast<Eigen::Index>(samples));
+}
+
 // What both loops share, and the model that they run on.
 struct LoopModels {
   modal::DisturbedModel nominal;
@@ -125,8 +136,7 @@ LoopModels loop_models(const study::Study& study, const Observer& observer, Loop
   sensors.actuators = driven(study, model);
   sensors.law = law_of(model, axes, sensors.actuators, plan.bandwidth_hz, observer.sample_time_s);
   sensors.sensors = pseudo_inverse(model.match.shapes.topRows(p).leftCols(axes));
-  sensors.delay = std::max<Eigen::Index>(
-      1, static_cast<Eigen::Index>(std::ceil(plan.delay / observer.sample_time_s - 1e-9)));
+  sensors.delay = samples_of(plan.delay, observer.sample_time_s);
   trial.delay_s = static_cast<double>(sensors.delay) * observer.sample_time_s;
   result.estimate = sensors;
   result.estimate.sensors.resize(0, 0);

@@ -258,6 +258,13 @@ TEST_F(Observe, RefusesWhatCannotBeMeant) {
               return steps::replay(late, designed(late, &recorded_), recorded_, std::nullopt);
             }).find("every record is shorter"),
             std::string::npos);
+  const auto slow = study_with(kObserver +
+                               "[observer.loop]\nactuators = [\"a1\", \"a2\", \"a3\", "
+                               "\"a4\"]\nbandwidth = \"150 Hz\"\ndelay = \"1e30 s\"\n");
+  EXPECT_NE(refusal_of([&] {
+              return steps::loop_trial(slow, designed(slow, &recorded_), *work_);
+            }).find("expected at most 1000 samples"),
+            std::string::npos);
   const auto missing = study_with(replaced(kObserver, "rig/time_data.csv", "rig/none.csv"));
   EXPECT_NE(refusal_of([&] {
               return steps::recordings(missing, *shapes_->measured.identified, *work_);
