@@ -8,6 +8,9 @@
 
 namespace chladni::identification {
 
+/// Of a period or of the record of a blow: as many as a study may state.
+inline constexpr double kMostSamples = 1 << 24;
+
 /// K lines, all outputs (P) and inputs (q) of the model.
 struct DesignLines {
   Eigen::Index period = 0;  ///< samples
@@ -18,7 +21,7 @@ struct DesignLines {
 };
 
 /// The period that resolves the narrowest mode in the band: an even number of samples without prime
-/// factors above 5.
+/// factors above 5, at most kMostSamples.
 [[nodiscard]] Eigen::Index period_for(const modal::ReducedModel& model, const DesignPlan& plan);
 
 /// Modes of the model in the band, without those at 0 Hz.

@@ -77,7 +77,7 @@ void set_record(const modal::ReducedModel& model, const std::vector<Index>& mode
                         model.frequency_hz(k)));
   }
   const double wanted = -std::log(kAtRest) / slowest;
-  design.record_s = std::min(wanted, plan.longest_record_s);
+  design.record_s = std::min({wanted, plan.longest_record_s, kMostSamples * plan.sample_time_s});
   design.samples = 2 * static_cast<Index>(std::ceil(0.5 * design.record_s / plan.sample_time_s));
   design.record_s = static_cast<double>(design.samples) * plan.sample_time_s;
   if (wanted > design.record_s) {

@@ -8,6 +8,7 @@
 #include "identification/delay.h"
 #include "identification/estimate/fft.h"
 #include "identification/expected_fit.h"
+#include "identification/experiment/design_lines.h"
 #include "identification/experiment_design.h"
 #include "identification/frf_estimate.h"
 #include "identification/virtual_experiment.h"
@@ -172,6 +173,15 @@ TEST(ExperimentDesign, ResolvesTheNarrowestMode) {
 }
 
 // Twice the noise needs four times the recording; deviations after one average are proportional.
+// What the narrowest mode asks for has more samples than any integer.
+TEST(ExperimentDesign, ItsPeriodHasAnEnd) {
+  auto model = three_modes();
+  model.damping_ratio(1) = 1e-25;
+  auto plan = small_plan();
+  plan.longest_period_s = 1e30;
+  EXPECT_EQ(period_for(model, plan), 1 << 24);
+}
+
 TEST(ExperimentDesign, TimeGoesAsTheSquareOfTheNoise) {
   auto plan = small_plan();
   const auto quiet = experiment_design(model_of(three_modes()), plan, 1);

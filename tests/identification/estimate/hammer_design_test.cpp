@@ -181,6 +181,19 @@ TEST(HammerDesign, RefusesWhatCannotBeMeant) {
             std::string::npos);
 }
 
+// What the slowest mode asks for has more samples than any integer.
+TEST(HammerDesign, ItsRecordHasAnEnd) {
+  auto slow = bar();
+  slow.model.damping_ratio.setConstant(1e-25);
+  auto wanted = plan();
+  wanted.low_hz = 39.9;
+  wanted.high_hz = 40.1;
+  wanted.longest_record_s = 1e30;
+  const auto design = hammer_design(slow, points(), wanted);
+  EXPECT_EQ(design.samples, 1 << 24);
+  EXPECT_NEAR(design.exponential_s, design.record_s / std::log(100.0), 1e-9 * design.record_s);
+}
+
 // The mode at 40 Hz is in the band, the lines beside it are at 37.5 and 50 Hz.
 TEST(HammerDesign, RefusesABandBetweenTheLinesOfItsRecord) {
   auto wanted = plan();
