@@ -82,12 +82,12 @@ void leave_table(const steps::Interpolated& result, const stage::Solution& solut
   const auto box = mesh::bounding_box(result.surface.sites.position);
   std::vector<mesh::Site> sites;
   const Eigen::RowVector3d size = box.row(1) - box.row(0);
-  const auto steps = [&](Eigen::Index axis) {
-    return static_cast<int>(std::floor(size(axis) / plan.table_pitch * (1.0 + 1e-12)));
-  };
-  require(1.0 * steps(0) * steps(1) < 1e7,
+  const Eigen::Array2d count =
+      (size.head<2>().array() / plan.table_pitch * (1.0 + 1e-12)).floor().transpose();
+  require((count + 1.0).prod() < 1e7,
           "interpolation.table_pitch asks for more than 10 million "
           "places; choose a larger one");
+  const auto steps = [&](Eigen::Index axis) { return static_cast<int>(count(axis)); };
   for (int i = 0; i <= steps(0); ++i) {
     for (int j = 0; j <= steps(1); ++j) {
       const double x =

@@ -166,6 +166,12 @@ TEST_F(Interpolate, LeavesATableAndPolynomialsForAController) {
   EXPECT_LT(left.at("rms_error").array().at(0).number(), 0.01);
 }
 
+TEST_F(Interpolate, RefusesATableOfMorePlacesThanAnyNumber) {
+  for (const char* pitch : {"1 um", "0.256 nm", "1e-300 m"}) {
+    refused(kTruth + "[interpolation]\ntable_pitch = \"" + pitch + "\"\n", "10 million places");
+  }
+}
+
 TEST_F(Interpolate, RefusesWhatCannotBeMeant) {
   refused("", "nothing is measured");
   refused("[measurement]\nnoise = \"1 %\"\n", "measurement lacks");
