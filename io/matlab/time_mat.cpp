@@ -24,6 +24,13 @@ constexpr std::array<Eigen::MatrixXd Record::*, 3> kParts{&Record::outputs, &Rec
 
 constexpr double kBytesPerRecord = 320.0;  // three matrices and the allocator's overhead
 
+// The number as a count, before it becomes an integer.
+Index whole(const std::string& name, double value, double most) {
+  require(value >= 0.0 && value <= most && value == std::floor(value),
+          name + " is " + std::to_string(value) + ", expected a whole number, 0 or more");
+  return static_cast<Index>(value);
+}
+
 class RecordReader {
  public:
   RecordReader(const MatFields& fields, const TimeOptions& options, TimeFile& file)
@@ -39,9 +46,8 @@ class RecordReader {
             "there are no recordings; expected variables y and u");
     data_.sample_time_s = sample_time();
     const auto period = mat_numbers(mat_value(fields_, {"period"}), "period");
-    data_.period = options_.period > 0  ? options_.period
-                   : period.size() == 1 ? static_cast<Index>(std::clamp(period(0), 0.0, 1e15))
-                                        : 0;
+    const auto stated = period.size() == 1 ? whole("period", period(0), 1e15) : 0;
+    data_.period = options_.period > 0 ? options_.period : stated;
     number_records();
     state_units();
   }
@@ -143,7 +149,7 @@ class RecordReader {
                   " entries, expected one per record: " + fmt::to_string(records_));
       for (Index r = 0; r < numbers.size(); ++r) {
         data_.records[static_cast<std::size_t>(r)].*of =
-            static_cast<int>(std::clamp(numbers(r), 0.0, 1e6));
+            static_cast<int>(whole(name, numbers(r), 1e6));
       }
       return numbers.size() > 0;
     };

@@ -1,6 +1,7 @@
 // .mat files that are broken, huge or hold what no instrument gives.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -16,6 +17,7 @@
 #include "tests/io/frf_samples.h"
 #include "tests/io/mat_by_hand.h"
 #include "tests/io/mat_files.h"
+#include "tests/refusal.h"
 
 namespace chladni::io {
 namespace {
@@ -78,6 +80,20 @@ TEST_F(Mat, AnArrayOfMillionsIsNotMillionsOfChannels) {
   refused({frequencies, doubles("G", {2, 1, 200'000}, many)}, "200000 inputs, expected at most");
   const auto step = doubles("Ts", {1, 1}, {0.1});
   refused({step, doubles("y", {2, 200'000}, many)}, "200000 outputs, expected at most");
+}
+
+TEST_F(Mat, CountsOfRecordingsAreWholeNumbers) {
+  const TemporaryFile file("counts.mat");
+  const std::vector<double> samples{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0};
+  for (const char* name : {"period", "experiment", "realisation"}) {
+    for (const double wrong : {std::nan(""), HUGE_VAL, -1.0, 2.5, 1e300}) {
+      put(file.path, version_5({doubles("Ts", {1, 1}, {0.1}), doubles("y", {8, 1}, samples),
+                                doubles(name, {1, 1}, {wrong})}));
+      const auto said = refusal_of([&] { return read_time(file.path); });
+      EXPECT_NE(said.find(std::string(name) + " is "), std::string::npos) << wrong << ": " << said;
+      EXPECT_NE(said.find("expected a whole number, 0 or more"), std::string::npos) << said;
+    }
+  }
 }
 
 TEST_F(Mat, NumbersThatNoInstrumentGivesAreRefused) {
