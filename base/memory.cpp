@@ -1,5 +1,6 @@
 #include "base/memory.h"
 
+#include <fmt/format.h>
 #include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -11,6 +12,7 @@
 #include <string>
 
 #include "base/control_group.h"
+#include "base/error.h"
 
 namespace chladni {
 namespace {
@@ -51,6 +53,13 @@ std::size_t available_memory() {
   if (least != kUnknown) return least;
   return static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) *
          static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE));
+}
+
+std::size_t bytes_of_gigabytes(double gigabytes) {
+  constexpr double kMost = 0x1p63;
+  require(gigabytes >= 0.0,
+          fmt::format("a limit of memory of {:.6g} GB; expected 0 or more", gigabytes));
+  return static_cast<std::size_t>(std::min(1e9 * gigabytes, kMost));
 }
 
 void release_freed_memory() {

@@ -2,6 +2,8 @@
 
 #include <pybind11/stl.h>
 
+#include "base/memory.h"
+
 namespace chladni::python {
 namespace {
 
@@ -12,7 +14,7 @@ stage::WorkOptions options_of(const Subject& subject, const Asked& asked) {
   options.seed = asked.seed.value_or(subject.study().seed.value_or(1));
   options.certificate = asked.certificate;
   options.engine = asked.engine;
-  options.memory_limit_bytes = static_cast<std::size_t>(1e9 * asked.memory_limit_gb);
+  options.memory_limit_bytes = bytes_of_gigabytes(asked.memory_limit_gb);
   options.allowed = subject.opened->allowed;
   // Paths of an extended study start where those of the study do.
   options.folder = std::filesystem::absolute(subject.study().file).parent_path();

@@ -8,6 +8,7 @@
 
 #include "base/cache.h"
 #include "base/error.h"
+#include "base/memory.h"
 #include "show/run.h"
 #include "show/version.h"
 
@@ -35,7 +36,7 @@ stage::WorkOptions work_options(const study::Study& study, const Options& option
           .keep_best = options.keep_best,
           .keep_times = !options.reproducible,
           .engine = options.engine,
-          .memory_limit_bytes = static_cast<std::size_t>(1e9 * options.memory_limit_gb),
+          .memory_limit_bytes = bytes_of_gigabytes(options.memory_limit_gb),
           .allowed = options.allowed,
           .folder = folder_of(study, options),
           .cache = cache_of(options)};

@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
+
+#include "tests/refusal.h"
+
 namespace chladni {
 namespace {
 
@@ -11,6 +15,18 @@ TEST(AvailableMemory, IsSomethingAndNotMoreThanThereIs) {
                    static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE));
   EXPECT_GT(available_memory(), std::size_t{1} << 20U);
   EXPECT_LE(available_memory(), all);
+}
+
+TEST(BytesOfGigabytes, AreThoseOfANumber) {
+  EXPECT_EQ(bytes_of_gigabytes(0.0), 0U);
+  EXPECT_EQ(bytes_of_gigabytes(1.5), 1'500'000'000U);
+  for (const double many : {1e30, HUGE_VAL}) {
+    EXPECT_GE(bytes_of_gigabytes(many), std::size_t{1} << 62U) << many;
+  }
+  for (const double wrong : {-1.0, std::nan("")}) {
+    EXPECT_NE(refusal_of([&] { return bytes_of_gigabytes(wrong); }).find("expected 0 or more"),
+              std::string::npos);
+  }
 }
 
 }  // namespace
