@@ -30,12 +30,21 @@ bool are_kin(const std::string& a, const std::string& b, bool scaled) {
   return !scaled && is_scale(a) && is_scale(b);
 }
 
+// Whether a mass that was added is told as one that is missing, or the like.
+bool is_opposite(const Cause& cause, const HiddenEffect& effect) {
+  return std::ranges::any_of(effect.size, [&](const auto& size) {
+    const auto told =
+        std::ranges::find(cause.parameters, size.first, &diagnosis::CauseParameter::name);
+    return told != cause.parameters.end() && told->value * size.second < 0.0;
+  });
+}
+
 bool is(const Cause& cause, const HiddenEffect& effect, const RealRigCase& rig) {
-  if (cause.effect != effect.kind) {
-    if (!are_kin(cause.effect, effect.kind, rig.scaled)) return false;
-    const bool placed = cause.place && effect.place;
-    return !placed || (*cause.place - *effect.place).norm() < kNear * rig.body.size();
+  if (cause.place && effect.place) {
+    const bool near = (*cause.place - *effect.place).norm() < kNear * rig.body.size();
+    if (!near || is_opposite(cause, effect)) return false;
   }
+  if (cause.effect != effect.kind) return are_kin(cause.effect, effect.kind, rig.scaled);
   auto told = cause.channels;
   auto hidden = effect.channels;
   std::ranges::sort(told);

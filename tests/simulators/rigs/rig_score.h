@@ -24,7 +24,8 @@ inline constexpr double kClear = 1.857;
 inline constexpr double kClass = 0.8, kOfClass = 0.05;
 
 enum class RigVerdict {
-  right,       ///< every effect was found and no sure cause is false; nothing sure where nothing is
+  right,       ///< every effect was found, near its place and with its sign, and no sure cause is
+               ///< false; nothing sure where nothing is
   as_class,    ///< one scale of the body was hidden, and it is told as one of several scales
   half,        ///< of several effects some were found, and no sure cause is false
   phantom,     ///< an effect was found, and a false cause beside it is sure

@@ -69,6 +69,20 @@ TEST(RigScore, MeasuresPlaceAndSizeOfKin) {
   EXPECT_EQ(scored(rig, telling({mass})).verdict, RigVerdict::wrong_sure);
 }
 
+// A mass that is missing elsewhere is another cause.
+TEST(RigScore, AsksForThePlaceAndTheSign) {
+  const auto rig = hiding({kMass});
+  auto mass = cause("point_mass", 0.99);
+  mass.place = Eigen::Vector2d(0.1, 0.13);
+  mass.parameters = {{"mass", "kg", 0.23, 0.02, diagnosis::Parameter::Role::strength}};
+  EXPECT_EQ(scored(rig, telling({mass})).verdict, RigVerdict::right);
+  mass.place = Eigen::Vector2d(-0.2, -0.1);
+  EXPECT_EQ(scored(rig, telling({mass})).verdict, RigVerdict::wrong_sure);
+  mass.place = Eigen::Vector2d(0.1, 0.13);
+  mass.parameters.front().value = -0.23;
+  EXPECT_EQ(scored(rig, telling({mass})).verdict, RigVerdict::wrong_sure);
+}
+
 TEST(RigScore, TakesScalesForOneWithoutScale) {
   auto rig = hiding({{"density", {{"relative", 0.1}}, {}, {}}});
   const auto told = telling({cause("youngs_modulus", 0.99)});
