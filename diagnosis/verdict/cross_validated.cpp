@@ -89,19 +89,30 @@ Causes kept(const std::optional<Fit>& fit, const std::vector<bool>& supported,
   return causes;
 }
 
-// ½(χ² + ηᵀη) of each part with its own causes, where the deviations suit it best.
+// ½(χ² + ηᵀη) of each part with its own causes, where the deviations suit it best. They go with the
+// causes, so the start is that of the deviations of all data and of the rest which is nearer.
 std::vector<double> misfits(const Problem& problem, const std::vector<DataPart>& parts,
-                            const Fit& fit, const std::vector<Causes>& causes) {
+                            const Trained& fits, const std::vector<Causes>& causes) {
+  const Fit& fit = fits.whole;
   const State state = state_of(problem, fit.causes, fit.eta);
   const Solved now = solved(state, Body(state, problem.observed.omega));
   const MatrixXd slopes = sensitivities(problem, fit.causes, fit.eta, now);
   const auto of_deviations = Eigen::seqN(slopes.cols() - fit.eta.size(), fit.eta.size());
   std::vector<double> misfit;
   for (std::size_t f = 0; f < parts.size(); ++f) {
-    const State other = state_of(problem, causes[f], fit.eta);
-    const VectorXd error = residual(problem.observed, responses(other, problem.observed.omega));
     const auto rows = rows_of(problem.observed, parts[f]);
-    misfit.push_back(penalised(slopes(rows, of_deviations), error(rows), fit.eta));
+    double nearest = HUGE_VAL;
+    misfit.push_back(HUGE_VAL);
+    const auto try_at = [&](const VectorXd& eta) {
+      const State other = state_of(problem, causes[f], eta);
+      const VectorXd error = residual(problem.observed, responses(other, problem.observed.omega));
+      const double here = error(rows).squaredNorm() + eta.squaredNorm();
+      if (!(here < nearest)) return;
+      nearest = here;
+      misfit.back() = penalised(slopes(rows, of_deviations), error(rows), eta);
+    };
+    try_at(fit.eta);
+    if (f < fits.rest.size() && fits.rest[f]) try_at(fits.rest[f]->eta);
   }
   return misfit;
 }
@@ -218,13 +229,12 @@ CrossValidation cross_validated(const Problem& problem, const Observed& all, con
   std::vector<std::vector<bool>> used;
   for (std::size_t f = 0; f < parts.size(); ++f) used.push_back(supported(with, less, f));
   const auto causes = predicting(with, used);
-  const auto after = misfits(problem, parts, with.whole, judging(with, used));
-  const auto before = misfits(problem, parts, none, std::vector<Causes>(parts.size()));
+  const auto after = misfits(problem, parts, with, judging(with, used));
+  const auto before = misfits(problem, parts, {none, {}}, std::vector<Causes>(parts.size()));
   std::vector<std::vector<double>> beside;
   for (std::size_t c = 0; c < less.size(); ++c) {
-    beside.push_back(less.size() == 1
-                         ? before
-                         : misfits(problem, parts, less[c].whole, judging(less[c], used, c)));
+    beside.push_back(
+        less.size() == 1 ? before : misfits(problem, parts, less[c], judging(less[c], used, c)));
   }
   CrossValidation result;
   for (std::size_t f = 0; f < parts.size(); ++f) {

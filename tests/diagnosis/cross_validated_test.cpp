@@ -169,6 +169,37 @@ TEST(CrossValidation, PredictsWithTheConstantsOfTheFit) {
   }
 }
 
+// The density goes with the tolerances of the modulus and the gains. Data without some of the lines
+// have another set of them, which suits these lines as well.
+TEST(CrossValidation, TakesTolerancesThatGoWithTheCause) {
+  const auto& plate = small_plate();
+  const auto& modulus = effect("youngs_modulus");
+  const auto scale = [&](const char* of, double part) {
+    return Supposed{&effect(of), 0, VectorXd::Constant(1, std::log1p(part))};
+  };
+  struct Widths {
+    double modulus, gain, frequency;
+  };
+  for (const auto& [of_modulus, gain, frequency] :
+       {Widths{0.02, 0.3, 1e-3}, Widths{0.1, 0.02, 1e-3}, Widths{0.1, 0.02, 5e-3}}) {
+    auto tolerances = no_tolerances();
+    tolerances.frequency = frequency;
+    tolerances.damping = 0.1;
+    tolerances.position = 1e-3;
+    tolerances.gain = gain;
+    auto free = deviations(plate, tolerances, 900.0);
+    free.push_back({"modulus", [&, width = of_modulus](State& state, double eta) {
+                      modulus.apply(state, plate, 0, VectorXd::Constant(1, width * eta));
+                    }});
+    const auto observed = noisy({scale("density", -0.045), scale("youngs_modulus", 0.03)}, 2);
+    const auto made = tested(observed, {scale("density", -0.045)}, free);
+    EXPECT_TRUE(made.result.pays()) << of_modulus << ", " << gain << ", " << frequency;
+    for (const auto& part : made.result.parts) {
+      EXPECT_GT(part.gain, -20.0) << part.low_hz << " Hz, " << part.sensors.front();
+    }
+  }
+}
+
 TEST(CrossValidation, OfATrueCauseLeavesNoiseInEveryPart) {
   const auto made = tested(noisy({mass(0.04)}, 1), {mass(0.05)});
   ASSERT_EQ(std::ssize(made.result.parts), small_plate().output_count() + 5 + 1);
