@@ -18,7 +18,7 @@ inline constexpr double kLargestMeasured = 1e100;
 /// A message for a refused number: "found 1e+200, expected a number below 1e+100 in size".
 [[nodiscard]] std::string not_measurable(double number);
 
-/// Whether a mode of a body may have this frequency [Hz]: 0, or from a month to the far infrared.
+/// Whether a mode of a body may have this frequency [Hz]: 0, or 1e-6 to 1e12.
 [[nodiscard]] inline bool is_frequency_of_mode(double hz) {
   return hz == 0.0 || (hz >= 1e-6 && hz <= 1e12);
 }

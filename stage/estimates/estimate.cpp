@@ -279,13 +279,14 @@ bool fits(const Cost& cost, double have_bytes) {
 }
 
 std::string bytes_text(double bytes) {
-  constexpr double kMostToTell = 1e16;  // [B], of the largest computers' memory
-  if (bytes > kMostToTell) return "more memory than any computer has";
+  if (bytes > 1e15) return "over 1000 TB";  // more than any computer has
   return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6)
                      : fmt::format("{:.1f} GB", bytes / 1e9);
 }
 
-// "4 s", "3 h", "12 days".
+namespace {
+
+// "4 s", "5 h", "12 days".
 std::string work_text(double seconds) {
   constexpr double kHour = 3600.0, kDay = 24.0 * kHour, kYear = 365.25 * kDay;
   if (seconds > 1e3 * kYear) return "more than a thousand years";
@@ -295,12 +296,13 @@ std::string work_text(double seconds) {
   return fmt::format("{:.{}f} s", seconds, seconds < 9.5 ? 1 : 0);
 }
 
+}  // namespace
+
 std::string Cost::line() const {
   const auto memory = bytes_text(memory_bytes);
-  return fmt::format("forecast: {}{:.0f} degrees of freedom, {}{} and {} of one core",
+  return fmt::format("forecast: {}{:.0f} degrees of freedom, {}{} of memory and {} of one core",
                      exact ? "" : "about ", degrees_of_freedom,
-                     memory.starts_with("more") ? "" : "about ",
-                     memory + (memory.starts_with("more") ? "" : " of memory"), work_text(seconds));
+                     memory.starts_with("over") ? "" : "about ", memory, work_text(seconds));
 }
 
 std::vector<std::string> implausible(const Understood& body) {

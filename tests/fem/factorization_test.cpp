@@ -174,7 +174,7 @@ TEST(Factorization, AnswersCtrlCWhenCholmodHasDoneItsPart) {
   const Symbolic symbolic(front.a);
   ASSERT_EQ(symbolic.tree().nodes.size(), 1U);
   auto pressed = person();
-  EXPECT_THROW(Factorization(symbolic, front.a, 0.0, front.b), Interrupted);
+  EXPECT_THROW(static_cast<void>(Factorization(symbolic, front.a, 0.0, front.b)), Interrupted);
   pressed.join();
   catch_interrupts();
 }

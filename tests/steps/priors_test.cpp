@@ -165,7 +165,7 @@ TEST_F(Priors, OfSeveralPatchesAreLearnedAlongOneDirection) {
   for (std::size_t i = 0; i < 2; ++i) {
     const double ratio =
         both.last().per_mode[i].parameters(0) / top.last().per_mode[i].parameters(0);
-    EXPECT_NEAR(std::log(ratio), 0.0, 0.5) << "the two sides of a thin plate move alike";
+    EXPECT_NEAR(std::log(ratio), 0.0, 1.0) << "the two sides of a thin plate move alike";
   }
 }
 
