@@ -153,8 +153,8 @@ struct PlacementPlan {
 };
 
 struct MeasurementPlan {
-  std::filesystem::path frf;     ///< may not exist yet: `simulate` writes it; or empty
-  std::filesystem::path time;    ///< recordings that FRFs are estimated from; or empty
+  std::filesystem::path frf;         ///< may not exist yet: `simulate` writes it; or empty
+  std::filesystem::path time;        ///< recordings that FRFs are estimated from; or empty
   std::filesystem::path validation;  ///< responses or recordings that no fit sees; or empty
   std::filesystem::path shapes;  ///< a table of measured mode shapes (io/shape_table.h); or empty
   std::filesystem::path truth;   ///< a study whose modes stand for measured ones; or empty
