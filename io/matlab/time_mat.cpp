@@ -27,7 +27,7 @@ constexpr double kBytesPerRecord = 320.0;  // three matrices and the allocator's
 // The number as a count, before it becomes an integer.
 Index whole(const std::string& name, double value, double most) {
   require(value >= 0.0 && value <= most && value == std::floor(value),
-          name + " is " + std::to_string(value) + ", expected a whole number, 0 or more");
+          name + fmt::format(" is {:g}, expected a whole number, 0 or more", value));
   return static_cast<Index>(value);
 }
 

@@ -184,7 +184,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Bad{"freq_hz,re_y1u1,im_y1u1\n1,x,3\n", "line 2: re_y1u1: found 'x'"},
                     Bad{"freq_hz;re_y1u1;im_y1u1\n1;2,5;3\n", "decimal"},
                     Bad{"freq_hz,re_y1u1,im_y1u1\n1,2,inf\n", "line 2: im_y1u1"},
-                    Bad{"freq_hz,re_y1u1,im_y1u1\n2,2,3\n\n1,2,3\n", "line 4: freq_hz is 1.0"},
+                    Bad{"freq_hz,re_y1u1,im_y1u1\n2,2,3\n\n1,2,3\n", "line 4: freq_hz is 1 after 2"},
                     Bad{"freq_hz,re_y1u1,im_y1u1\n2,2,3\n2,2,3\n", "ascending"},
                     Bad{"freq_hz,re_y1u1,im_y1u1\n-2,2,3\n", "ascending"},
                     Bad{"freq_hz,re_y1u1,im_y1u1\n,2,3\n", "ascending"},
