@@ -62,6 +62,8 @@ struct Constants : ModeConstants {
   Eigen::Index sensor_parts = 8;
   /// [1] Blocks of lines that are held out in turn, at most. Chosen.
   Eigen::Index line_parts = 5;
+  /// [1] Steps at most to the deviations that suit a part that is held out. Chosen.
+  int part_steps = 6;
   /// [1] Upper part of the band that is held out. Methods.
   double upper_part = 0.4;
   /// [1] Largest loss on held-out sensors, over the gain on lines, or the reverse. Chosen.

@@ -28,16 +28,6 @@ Fit quickly_fitted(const Problem& problem, const Fit& start) {
   return fitted(problem, start, {.iterations = kConstants.quick_iterations});
 }
 
-// Least ½(χ² + ηᵀη) over the deviations, to first order about eta.
-double penalised(const MatrixXd& slopes, const VectorXd& error, const VectorXd& eta) {
-  MatrixXd gram = MatrixXd::Zero(eta.size(), eta.size());
-  dense::add_gram(slopes, gram);
-  Quadratic quadratic{eta - slopes.transpose() * error, gram.selfadjointView<Eigen::Lower>()};
-  quadratic.curvature.diagonal().array() += 1.0;
-  return 0.5 * error.squaredNorm() + 0.5 * eta.squaredNorm() -
-         quadratic.promised(quadratic.step(0.0));
-}
-
 using Causes = std::vector<Supposed>;
 
 // A fit to all data, and the fits to the data without each part; none where no fit is possible.
@@ -89,30 +79,84 @@ Causes kept(const std::optional<Fit>& fit, const std::vector<bool>& supported,
   return causes;
 }
 
+// A part of the data with the slopes of a fit to all, by which the deviations are sought.
+struct PartSlopes {
+  std::vector<Index> rows;
+  MatrixXd slope;  // of the rows, by the deviations
+  MatrixXd gram;   // slopeᵀ slope
+};
+
+PartSlopes slopes_of(const Problem& problem, const DataPart& part, const MatrixXd& slopes,
+                     Index deviations) {
+  PartSlopes result;
+  result.rows = rows_of(problem.observed, part);
+  result.slope = slopes(result.rows, Eigen::lastN(deviations));
+  result.gram = MatrixXd::Zero(deviations, deviations);
+  dense::add_gram(result.slope, result.gram);
+  return result;
+}
+
+// ½(χ² + ηᵀη) of a part, its residual, and the deviations.
+struct PartPoint {
+  double misfit = HUGE_VAL;
+  VectorXd error, eta;
+};
+
+PartPoint part_point(const Problem& problem, const Causes& causes, const PartSlopes& part,
+                     const VectorXd& eta) {
+  const State state = state_of(problem, causes, eta);
+  const VectorXd all = residual(problem.observed, responses(state, problem.observed.omega));
+  PartPoint point{0.0, all(part.rows), eta};
+  point.misfit = 0.5 * point.error.squaredNorm() + 0.5 * eta.squaredNorm();
+  return point;
+}
+
+// The same after a step by the slopes; none if the step leads to an impossible state.
+std::optional<PartPoint> stepped(const Problem& problem, const Causes& causes,
+                                 const PartSlopes& part, const PartPoint& from, double lambda) {
+  Quadratic quadratic{from.eta - part.slope.transpose() * from.error,
+                      part.gram.selfadjointView<Eigen::Lower>()};
+  quadratic.curvature.diagonal().array() += 1.0;
+  try {
+    return part_point(problem, causes, part, from.eta + quadratic.step(lambda));
+  } catch (const NumericalFailure&) {
+    return std::nullopt;
+  }
+}
+
+// Least ½(χ² + ηᵀη) of a part with these causes, by steps from eta that lower it.
+double least_misfit(const Problem& problem, const Causes& causes, const PartSlopes& part,
+                    const VectorXd& eta) {
+  auto best = part_point(problem, causes, part, eta);
+  double lambda = 0.0;
+  for (int step = 0; step < kConstants.part_steps; ++step) {
+    auto next = stepped(problem, causes, part, best, lambda);
+    if (!next || !(next->misfit < best.misfit)) {
+      lambda = std::max(0.1, 10.0 * lambda);
+      continue;
+    }
+    const double fall = best.misfit - next->misfit;
+    best = *std::move(next);
+    if (fall < kConstants.nothing_more) break;
+  }
+  return best.misfit;
+}
+
 // ½(χ² + ηᵀη) of each part with its own causes, where the deviations suit it best. They go with the
-// causes, so the start is that of the deviations of all data and of the rest which is nearer.
+// causes, so they are sought from those of all data and from those of the rest.
 std::vector<double> misfits(const Problem& problem, const std::vector<DataPart>& parts,
                             const Trained& fits, const std::vector<Causes>& causes) {
   const Fit& fit = fits.whole;
   const State state = state_of(problem, fit.causes, fit.eta);
   const Solved now = solved(state, Body(state, problem.observed.omega));
   const MatrixXd slopes = sensitivities(problem, fit.causes, fit.eta, now);
-  const auto of_deviations = Eigen::seqN(slopes.cols() - fit.eta.size(), fit.eta.size());
   std::vector<double> misfit;
   for (std::size_t f = 0; f < parts.size(); ++f) {
-    const auto rows = rows_of(problem.observed, parts[f]);
-    double nearest = HUGE_VAL;
-    misfit.push_back(HUGE_VAL);
-    const auto try_at = [&](const VectorXd& eta) {
-      const State other = state_of(problem, causes[f], eta);
-      const VectorXd error = residual(problem.observed, responses(other, problem.observed.omega));
-      const double here = error(rows).squaredNorm() + eta.squaredNorm();
-      if (!(here < nearest)) return;
-      nearest = here;
-      misfit.back() = penalised(slopes(rows, of_deviations), error(rows), eta);
-    };
-    try_at(fit.eta);
-    if (f < fits.rest.size() && fits.rest[f]) try_at(fits.rest[f]->eta);
+    const auto part = slopes_of(problem, parts[f], slopes, fit.eta.size());
+    misfit.push_back(least_misfit(problem, causes[f], part, fit.eta));
+    if (f >= fits.rest.size() || !fits.rest[f]) continue;
+    misfit.back() =
+        std::min(misfit.back(), least_misfit(problem, causes[f], part, fits.rest[f]->eta));
   }
   return misfit;
 }
@@ -230,7 +274,8 @@ CrossValidation cross_validated(const Problem& problem, const Observed& all, con
   for (std::size_t f = 0; f < parts.size(); ++f) used.push_back(supported(with, less, f));
   const auto causes = predicting(with, used);
   const auto after = misfits(problem, parts, with, judging(with, used));
-  const auto before = misfits(problem, parts, {none, {}}, std::vector<Causes>(parts.size()));
+  const auto before = misfits(problem, parts, less.size() == 1 ? less.front() : Trained{none, {}},
+                              std::vector<Causes>(parts.size()));
   std::vector<std::vector<double>> beside;
   for (std::size_t c = 0; c < less.size(); ++c) {
     beside.push_back(
