@@ -225,6 +225,25 @@ void take_off_window(IdentifiedModel& model) {
   model.data.value += identification::responses(fit, model.data.frequency_hz) - windowed;
 }
 
+double cost(const identification::FitData& data, const identification::ModalFit& fit) {
+  const Eigen::MatrixXcd fitted = identification::responses(fit, data.frequency_hz);
+  return ((data.value - fitted).cwiseAbs2().array() * data.weight.array().square()).sum();
+}
+
+// Fits the data with other weights. It starts at poles anew, since more modes may show; where it
+// then misses the modes that are known it starts at these.
+void fit_again(const study::IdentificationPlan& plan, const study::Study& study,
+               IdentifiedModel& model, stage::Work& work) {
+  auto again = work.timed("fit again", [&] { return found(plan, study, model.data, work); });
+  const bool is_lost =
+      plan.method != "thesis" && cost(model.data, again.fit) > cost(model.data, model.found.fit);
+  if (is_lost) {
+    again.fit =
+        identification::refitted(model.data, model.found.fit, fit_options(plan, study, work).fit);
+  }
+  model.found = std::move(again);
+}
+
 // The fit of the study's responses, as close as their noise and the study's model error allow.
 IdentifiedModel fitted_model(const study::IdentificationPlan& plan, const study::Study& study,
                              stage::Work& work) {
@@ -244,7 +263,7 @@ IdentifiedModel fitted_model(const study::IdentificationPlan& plan, const study:
     model.data = identification::reweighted(
         model.data, identification::responses(model.found.fit, model.data.frequency_hz),
         data_options(plan, model.seen));
-    model.found = work.timed("fit again", [&] { return found(plan, study, model.data, work); });
+    fit_again(plan, study, model, work);
     take_out_drift(model);
   }
   if (stopped()) {
