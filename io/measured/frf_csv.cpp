@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 
@@ -24,6 +25,7 @@ constexpr std::array<std::string_view, kPartCount> kPrefix{"re_", "im_", "var_",
                                                            "coh_"};
 constexpr std::array<std::string_view, 6> kFrequency{"freq_hz", "frequency_hz", "f_hz",
                                                      "freq",    "frequency",    "f"};
+constexpr std::string_view kAverages = "averages";
 
 /// The columns of one response; −1: none.
 struct Columns {
@@ -60,7 +62,7 @@ std::optional<Part> nameless_part(std::string_view column) {
 }
 
 struct Layout {
-  Index frequency = -1;
+  Index frequency = -1, averages = -1;
   std::vector<ChannelPair> pairs;
   std::vector<Columns> columns;  // for each pair
   std::optional<modal::FrfKind> kind;
@@ -102,6 +104,11 @@ class LayoutReader {
     if (std::find(kFrequency.begin(), kFrequency.end(), name) != kFrequency.end()) {
       if (layout_.frequency >= 0) fail("two columns of frequencies, " + shown(name));
       layout_.frequency = column;
+      return true;
+    }
+    if (name == kAverages) {
+      if (layout_.averages >= 0) fail("two columns " + shown(name));
+      layout_.averages = column;
       return true;
     }
     for (int part = 0; part < kPartCount; ++part) {
@@ -177,6 +184,31 @@ void check_frequencies(const CsvTable& table, Index column) {
         (k == 0 ? "" : " after " + fmt::format("{:.9g}", before)) +
         "; expected ascending frequencies");
   }
+}
+
+// The degrees of freedom of the variances, one number for all lines. The fewest are taken where
+// lines differ, because a set has one number only.
+double averages_of(const CsvTable& table, Index column, std::vector<std::string>& notes) {
+  if (column < 0) return 0.0;
+  double fewest = std::numeric_limits<double>::infinity();
+  double most = 0.0;
+  for (Index k = 0; k < table.values.rows(); ++k) {
+    const double value = table.values(k, column);
+    if (std::isnan(value)) continue;
+    if (value < 0.0) {
+      throw InvalidInput(
+          table.file + ": line " + std::to_string(table.line[static_cast<std::size_t>(k)]) +
+          ": averages is " + fmt::format("{:g}", value) + "; expected 0 (not known) or more");
+    }
+    fewest = std::min(fewest, value);
+    most = std::max(most, value);
+  }
+  if (most == 0.0) return 0.0;
+  if (fewest < most) {
+    notes.push_back(
+        fmt::format("averages are {:g} to {:g}: the fewest count on all lines", fewest, most));
+  }
+  return fewest;
 }
 
 // The index of a name in the list of its side. A new name is added.
@@ -257,6 +289,7 @@ FrfFile parse_frf_csv(std::string_view bytes, const std::string& name, const Frf
                        " responses)");
   }
   file.set.frequency_hz = table.values.col(layout.frequency);
+  file.set.averages = averages_of(table, layout.averages, file.notes);
   fill_values(layout, table, places, file.set);
   fill(file.set.variance, layout, kVariance, table, places, file.set);
   fill(file.set.noise_variance, layout, kNoise, table, places, file.set);
@@ -318,6 +351,10 @@ std::string frf_csv(const modal::FrfSet& set) {
       add_column(set.noise_variance, kPrefix[kNoise], pair, i, j, itself, columns);
       add_column(set.coherence, kPrefix[kCoherence], pair, i, j, itself, columns);
     }
+  }
+  if (set.averages > 0.0 && !set.variance.empty()) {
+    const Eigen::VectorXd same = Eigen::VectorXd::Constant(set.line_count(), set.averages);
+    columns.push_back({std::string(kAverages), same});
   }
   return csv(columns);
 }

@@ -43,12 +43,31 @@ TEST(FrfCsv, ReadsBackWhatItWroteToTheLastBit) {
   for (const bool awkward : {false, true}) {
     auto set = random_set(3, 2, 40, 7);
     if (awkward) {
+      set.averages = 13.5;
       set.outputs[1].name = "left, \"front\" edge";
       set.inputs[0].name = "H1";
     }
     const auto back = parse_frf_csv(frf_csv(set), "t.csv").set;
     expect_same(back, set);
+    EXPECT_EQ(back.averages, set.averages);
   }
+}
+
+TEST(FrfCsv, SaysOfHowManyAveragesItsVariancesAre) {
+  const std::string names = "freq_hz,averages,re_y1u1,im_y1u1,var_y1u1\n";
+  const auto read = [&](const std::string& lines) { return parse_frf_csv(names + lines, "t.csv"); };
+  EXPECT_EQ(read("1,14,2,3,1\n2,14,2,3,1\n").set.averages, 14.0);
+  EXPECT_EQ(read("1,14,2,3,1\n2,14,2,3,1\n").notes.size(), 1U);  // the unit
+  EXPECT_EQ(read("1,0,2,3,1\n2,0,2,3,1\n").set.averages, 0.0);
+  EXPECT_EQ(read("1,,2,3,1\n2,,2,3,1\n").set.averages, 0.0);
+  const auto differ = read("1,14,2,3,1\n2,,2,3,1\n3,6,2,3,1\n");
+  EXPECT_EQ(differ.set.averages, 6.0);
+  ASSERT_EQ(differ.notes.size(), 2U);
+  EXPECT_NE(differ.notes[0].find("averages are 6 to 14"), std::string::npos) << differ.notes[0];
+  auto set = random_set(1, 1, 2, 1);
+  set.averages = 4.0;
+  set.variance.clear();  // whose averages there are none of
+  EXPECT_EQ(frf_csv(set).find("averages"), std::string::npos);
 }
 
 TEST(FrfCsv, NamesAreWrittenAsPlainlyAsTheyAreReadBack) {
@@ -190,6 +209,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Bad{"freq_hz,re_y1u1,im_y1u1\n,2,3\n", "ascending"},
                     Bad{"freq_hz,re_y1u1,im_y1u1,coh_y1u1\n1,2,3,1.5\n", "coherence is 1.5"},
                     Bad{"freq_hz,re_y1u1,im_y1u1,var_y1u1\n1,2,3,-1\n", "variance is -1"},
+                    Bad{"freq_hz,averages,re_y1u1,im_y1u1\n1,-2,2,3\n", "line 2: averages is -2"},
                     Bad{"0,1,2\n1,2,3\n", "expected a first line of names"},
                     Bad{"freq_hz,freq_hz\n1,2\n", "two columns"},
                     Bad{"freq_hz,\"re_y1u1\n1,2\n", "quote"}));
