@@ -25,8 +25,9 @@ struct JudgedErrors {
   double rigid = 0.0;                    ///< rigid-body motion of the sensors, extrapolated
   double model = 0.0;                    ///< the model without any sensor, from the known forces
   double truth = 0.0;                    ///< the filter that knows the true structure
-  double covered = 0.0;                  ///< part of the samples within the stated 95 % band
-  double covered_widened = 0.0;          ///< within the band times `Replay::surprise`
+  double covered = 0.0;  ///< part of the samples within the stated 95 % band and the judge's own
+                         ///< noise; NaN: that noise is not known
+  double covered_widened = 0.0;  ///< within the band times `Replay::surprise`
 };
 
 /// Part of a record for a picture.

@@ -179,8 +179,10 @@ io::PlotPanel error_panel_of(const steps::Replay& replay, Eigen::Index j) {
   const auto [scale, unit] = unit_of(std::max(wrong.cwiseAbs().maxCoeff(), half.maxCoeff()));
   const auto& one = replay.judges[static_cast<std::size_t>(j)];
   io::PlotPanel panel;
-  panel.title = fmt::format("{}, estimated less measured: {:.3g} % within the band", one.judge,
-                            100.0 * one.covered);
+  panel.title = one.judge + ", estimated less measured";
+  if (std::isfinite(one.covered)) {
+    panel.title += fmt::format(": {:.3g} % within the band", 100.0 * one.covered);
+  }
   panel.x = {.label = "time [s]"};
   panel.y = {.label = "error [" + unit + "]"};
   panel.series.push_back(band_series(course, Eigen::VectorXd::Zero(half.size()), scale * half));

@@ -152,15 +152,21 @@ LoopModels loop_models(const study::Study& study, const Observer& observer, Loop
   return result;
 }
 
-// A draw from a covariance; entries without one stay. Negative eigenvalues are rounding.
-Eigen::VectorXd drawn(const Eigen::MatrixXd& covariance, Draw& draw) {
+bool is_known(const Eigen::MatrixXd& covariance, Eigen::Index i) {
+  return std::isfinite(covariance(i, i)) && covariance.row(i).allFinite();
+}
+
+// A draw from a covariance; entries without one deviate by their size, which is all that is known of
+// them. Negative eigenvalues are rounding.
+Eigen::VectorXd drawn(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& size, Draw& draw) {
   Eigen::VectorXd normal(covariance.rows());
   for (double& value : normal) value = draw.normal();
   Eigen::MatrixXd known = covariance;
   for (Eigen::Index i = 0; i < known.rows(); ++i) {
-    if (known.row(i).allFinite() && std::isfinite(known(i, i))) continue;
+    if (is_known(covariance, i)) continue;
     known.row(i).setZero();
     known.col(i).setZero();
+    known(i, i) = size(i) * size(i);
   }
   const Eigen::VectorXd scale = known.diagonal().unaryExpr(
       [](double variance) { return variance > 0.0 ? std::sqrt(variance) : 1.0; });
@@ -171,11 +177,35 @@ Eigen::VectorXd drawn(const Eigen::MatrixXd& covariance, Draw& draw) {
                             solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().cwiseProduct(normal));
 }
 
+double rms_of(const Eigen::VectorXd& values) {
+  return values.norm() / std::sqrt(static_cast<double>(std::max<Eigen::Index>(1, values.size())));
+}
+
+// Sizes of ω, ζ, L and R of a mode.
+Eigen::VectorXd sizes_of(const modal::ReducedModel& model, Eigen::Index m) {
+  Eigen::VectorXd size(2 + model.output_count() + model.input_count());
+  size << kTwoPi * model.frequency_hz(m), model.damping_ratio(m),
+      Eigen::VectorXd::Constant(model.output_count(), rms_of(model.output_shapes.col(m))),
+      Eigen::VectorXd::Constant(model.input_count(), rms_of(model.input_shapes.row(m).transpose()));
+  return size;
+}
+
+// Numbers of the fit and of the shapes at the points of which no deviation is known.
+Eigen::Index unknown_numbers(const identification::ModalFit& fit, const Eigen::MatrixXd& points) {
+  auto count = points.size() - points.array().isFinite().count();
+  for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
+    const auto& covariance = fit.mode_covariance[static_cast<std::size_t>(m)];
+    for (Eigen::Index i = 0; i < covariance.rows(); ++i) count += is_known(covariance, i) ? 0 : 1;
+  }
+  return count;
+}
+
 // Poles and shapes of the flexible modes as the fit leaves them open; the damping stays positive.
 identification::ModalFit drawn_fit(identification::ModalFit fit, Draw& draw) {
   auto& model = fit.model;
   for (auto m = model.rigid_count; m < model.mode_count(); ++m) {
-    const auto change = drawn(fit.mode_covariance[static_cast<std::size_t>(m)], draw);
+    const auto change =
+        drawn(fit.mode_covariance[static_cast<std::size_t>(m)], sizes_of(model, m), draw);
     const auto p = model.output_count();
     const auto q = model.input_count();
     // To first order the draw itself, but never negative.
@@ -193,12 +223,12 @@ identification::ModalFit drawn_fit(identification::ModalFit fit, Draw& draw) {
 identification::ObservedPlaces drawn_places(identification::ObservedPlaces places,
                                             const Observer& observer, Draw& draw) {
   const auto& deviation = observer.places.at_points.deviation;
+  const auto& sensors = identified_of(*observer.shapes).match.shapes;
   for (Eigen::Index m = 0; m < deviation.cols(); ++m) {
+    const double size = rms_of(sensors.col(m));
     for (Eigen::Index i = 0; i < deviation.rows(); ++i) {
-      const double normal = draw.normal();
-      if (std::isfinite(deviation(i, m))) {
-        places.at_points.shapes(i, m) += deviation(i, m) * normal;
-      }
+      const bool known = std::isfinite(deviation(i, m));
+      places.at_points.shapes(i, m) += (known ? deviation(i, m) : size) * draw.normal();
     }
   }
   return places;
@@ -276,6 +306,12 @@ LoopTrial loop_trial(const study::Study& study, const Observer& observer, stage:
   if (fit.complex) {
     trial.notes.emplace_back("no models are drawn: those of complex shapes are not implemented");
     return trial;
+  }
+  if (const auto unknown = unknown_numbers(fit, observer.places.at_points.deviation); unknown > 0) {
+    trial.notes.push_back(
+        fmt::format("drawn models: {} numbers of poles and shapes have no known deviation; each is "
+                    "drawn with its own size as deviation",
+                    unknown));
   }
   Draw draw(work.seed());
   Draws on_sensors(points);

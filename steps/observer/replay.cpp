@@ -171,7 +171,7 @@ class Replaying {
                   Eigen::Index from) {
     const auto settled = wrong.rows() - from;
     for (Eigen::Index j = 0; j < observer_.judges; ++j) {
-      const double noise = std::isfinite(judge_noise(j)) ? judge_noise(j) : 0.0;
+      const double noise = judge_noise(j);
       auto& all = trial_.score[static_cast<std::size_t>(j)];
       const auto before = all.size();
       all.conservativeResize(before + settled);
@@ -212,6 +212,7 @@ class Replaying {
     }
     const auto& score = trial_.score[static_cast<std::size_t>(j)];
     const auto within = [&](double factor) {
+      if (!std::isfinite(judge_noise(j))) return kUnknown;  // and so is what the band has to hold
       return (score.array() <= priors::kTwoSided95 * factor).cast<double>().mean();
     };
     errors.covered = within(1.0);
