@@ -94,7 +94,17 @@ identification::FrfEstimate estimate_of(const TimeData& data,
   const auto [all, own] = prepared(data, options, about);
   auto estimate = estimator(all, own);
   if (options.remove_transient) tell_removed(data, about, estimate);
-  if (with_folds) result.folds = folds(data, all, options, estimate.dropped, estimator);
+  if (!with_folds) return estimate;
+  const auto none = [&](const std::exception& failure) {  // the estimate of all is sound
+    estimate.notes.push_back(std::string("nothing is left out in turn: ") + failure.what());
+  };
+  try {
+    result.folds = folds(data, all, options, estimate.dropped, estimator);
+  } catch (const InvalidInput& failure) {
+    none(failure);
+  } catch (const NumericalFailure& failure) {
+    none(failure);
+  }
   return estimate;
 }
 
