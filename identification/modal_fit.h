@@ -49,7 +49,9 @@ struct ModalFit {
   double delay_std_s = 0.0;
   /// Covariance of (ω_m, ζ_m, L_m, R_m) per mode, (2+p+q) squared, in [rad/s], [1], units of L, R.
   /// The data give only the product of L_m and R_m: |L_m| = |R_m| fixes the scale, and the largest
-  /// entry of L_m is positive, which fixes the sign.
+  /// entry of L_m is positive, which fixes the sign. A damping that its bound holds has the
+  /// variance that it would have without the bound, though damping_std is infinite: it is at most
+  /// as far off.
   std::vector<Eigen::MatrixXd> mode_covariance;
   /// Covariance of (vec L_rb, vec R_rb) of all rigid-body modes together: their basis is free.
   Eigen::MatrixXd rigid_covariance;

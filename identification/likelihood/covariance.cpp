@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "base/finite.h"
@@ -26,19 +27,25 @@ std::vector<Eigen::MatrixXd> idle_changes(const Block& block) {
   return all;
 }
 
-// Parameters that no data determine, or that a bound holds.
-Unknown unknown_parameters(const BlockModel& model, const Eigen::MatrixXd& symmetric) {
+// Parameters that no data determine.
+Unknown untold_parameters(const Eigen::MatrixXd& symmetric) {
   Unknown unknown = !(symmetric.diagonal().array() > 0.0);
   for (Eigen::Index i = 0; i < unknown.size(); ++i) {
     unknown(i) = unknown(i) || !std::isfinite(symmetric(i, i));
   }
+  return unknown;
+}
+
+// Parameters that a bound holds.
+Unknown held_parameters(const BlockModel& model, Eigen::Index count_of_all) {
+  Unknown held = Unknown::Constant(count_of_all, false);
   Eigen::Index first = 0;
   for (const auto& block : model.blocks) {
     const auto count = parameter_count(block);
-    if (is_undamped(block)) unknown(first + count - (block.general ? 2 : 1)) = true;
+    if (is_undamped(block)) held(first + count - (block.general ? 2 : 1)) = true;
     first += count;
   }
-  return unknown;
+  return held;
 }
 
 // A⁻¹ of a matrix with a unit diagonal. Directions below double precision are left out; parameters
@@ -59,6 +66,35 @@ Eigen::MatrixXd inverse_of_told(const Eigen::MatrixXd& a, Unknown& unknown) {
   const Eigen::VectorXd untold = (!told).cast<double>();
   unknown = unknown || (v.cwiseAbs2() * untold).array() > kShare;
   return finite(Eigen::MatrixXd(v * inverse.asDiagonal() * v.transpose()), "covariance of a fit");
+}
+
+// The inverse that keeps the idle directions still. `unknown` grows by what no data tell; their
+// rows and columns are zero.
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& symmetric, const Eigen::MatrixXd& idle,
+                           Unknown& unknown) {
+  const Eigen::VectorXd size = unknown.select(0.0, symmetric.diagonal().array().sqrt());
+  const Eigen::VectorXd scale = unknown.select(0.0, size.array().inverse());
+  Eigen::MatrixXd a = symmetric;
+  for (Eigen::Index i = 0; i < a.rows(); ++i) {
+    if (!unknown(i)) continue;
+    a.row(i).setZero();
+    a.col(i).setZero();
+  }
+  a = scale.asDiagonal() * a * scale.asDiagonal();
+  a.diagonal() += unknown.matrix().cast<double>();
+  const Eigen::MatrixXd q = dense::orthonormal_basis(size.asDiagonal() * idle);
+  a += q * q.transpose();
+  const Eigen::MatrixXd inverse =
+      scale.asDiagonal() * inverse_of_told(a, unknown) * scale.asDiagonal();
+  const Eigen::MatrixXd own = dense::orthonormal_basis(idle);
+  const Eigen::MatrixXd half = inverse - own * (own.transpose() * inverse);
+  Eigen::MatrixXd result = half - (half * own) * own.transpose();
+  for (Eigen::Index i = 0; i < a.rows(); ++i) {
+    if (!unknown(i)) continue;
+    result.row(i).setZero();
+    result.col(i).setZero();
+  }
+  return result;
 }
 
 }  // namespace
@@ -87,28 +123,18 @@ Eigen::MatrixXd idle_directions(const BlockModel& model, Eigen::Index parameters
 Covariance held_inverse(const BlockModel& model, const NormalEquations& normal,
                         const Eigen::MatrixXd& idle) {
   const Eigen::MatrixXd symmetric = normal.matrix.selfadjointView<Eigen::Lower>();
-  Covariance result{{}, unknown_parameters(model, symmetric)};
-  const Eigen::VectorXd size = result.unknown.select(0.0, symmetric.diagonal().array().sqrt());
-  const Eigen::VectorXd scale = result.unknown.select(0.0, size.array().inverse());
-  Eigen::MatrixXd a = symmetric;
-  for (Eigen::Index i = 0; i < a.rows(); ++i) {
-    if (!result.unknown(i)) continue;
-    a.row(i).setZero();
-    a.col(i).setZero();
-  }
-  a = scale.asDiagonal() * a * scale.asDiagonal();
-  a.diagonal() += result.unknown.matrix().cast<double>();
-  const Eigen::MatrixXd q = dense::orthonormal_basis(size.asDiagonal() * idle);
-  a += q * q.transpose();
-  const Eigen::MatrixXd inverse =
-      scale.asDiagonal() * inverse_of_told(a, result.unknown) * scale.asDiagonal();
-  const Eigen::MatrixXd own = dense::orthonormal_basis(idle);
-  const Eigen::MatrixXd half = inverse - own * (own.transpose() * inverse);
-  result.matrix = half - (half * own) * own.transpose();
-  for (Eigen::Index i = 0; i < a.rows(); ++i) {
-    if (!result.unknown(i)) continue;
-    result.matrix.row(i).setZero();
-    result.matrix.col(i).setZero();
+  const Unknown untold = untold_parameters(symmetric);
+  const Unknown held = held_parameters(model, symmetric.rows());
+  Covariance result;
+  result.unknown = untold || held;
+  result.matrix = inverse_of(symmetric, idle, result.unknown);
+  result.held_variance = Eigen::VectorXd::Zero(symmetric.rows());
+  if (!held.any()) return result;
+  Unknown open = untold;
+  const Eigen::VectorXd free = inverse_of(symmetric, idle, open).diagonal().cwiseMax(0.0);
+  for (Eigen::Index i = 0; i < held.size(); ++i) {
+    if (!held(i)) continue;
+    result.held_variance(i) = open(i) ? std::numeric_limits<double>::infinity() : free(i);
   }
   return result;
 }

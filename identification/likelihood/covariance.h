@@ -13,6 +13,9 @@ using Unknown = Eigen::Array<bool, Eigen::Dynamic, 1>;
 struct Covariance {
   Eigen::MatrixXd matrix;
   Unknown unknown;  ///< n: no data determine the parameter, or a bound holds it
+  /// n: variance of a parameter that a bound holds, if nothing held it: more than it has beyond the
+  /// bound. 0 for the other parameters, infinite where no data determine it.
+  Eigen::VectorXd held_variance;
 };
 
 /// n×d: parameter directions that change no response.

@@ -147,6 +147,8 @@ class Filler {
     put_complex(mode_, mode.outputs, mode.inputs, mode.covariance);
     put(mode.omega / (2.0 * std::numbers::pi), mode.damping_ratio, mode.outputs.real(),
         mode.inputs.real(), mode.covariance.topLeftCorner(real, real));
+    const double held = covariance_.held_variance(first_ + count - 2);
+    put_held_damping(held / std::norm(block.pole));
     first_ += count;
   }
 
@@ -160,6 +162,7 @@ class Filler {
     mark((jacobian.cwiseAbs() * unknown).array() > 0.0, covariance);
     put(own * model_.scale / (2.0 * std::numbers::pi), block.damping(0, 0) / (2.0 * own),
         model_.scale * block.left.col(0), model_.scale * block.right.row(0), covariance);
+    put_held_damping(covariance_.held_variance(first_ + count - 1) / (4.0 * own * own));
     first_ += count;
   }
 
@@ -192,6 +195,13 @@ class Filler {
     fit_.output_std.col(m) = deviation.segment(2, left.size());
     fit_.input_std.row(m) = deviation.tail(right.size()).transpose();
     fit_.mode_covariance.push_back(covariance);
+  }
+
+  // The variance of the last mode's damping, where a bound holds it. Its deviation stays unknown.
+  void put_held_damping(double variance) {
+    if (!(variance > 0.0)) return;
+    fit_.mode_covariance.back()(1, 1) = variance;
+    if (fit_.complex) fit_.complex->covariance.back()(1, 1) = variance;
   }
 
   const BlockModel& model_;
@@ -347,6 +357,7 @@ ModalFit with_uncertainty(const Descent& found, const Target& target, const Fitt
   const double variance = noise_level(fit, data) * variance_factor(data);
   auto covariance = held_inverse(model, normal, idle);
   covariance.matrix *= 0.5 * variance;
+  covariance.held_variance *= 0.5 * variance;
   if (damping == Damping::general) fit.complex.emplace();
   resize(fit, model, data.outputs, data.inputs);
   Filler(model, covariance, fit).fill();
