@@ -128,6 +128,28 @@ Response response_of(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j) {
   return one;
 }
 
+// Whether variances are stated: all of them or none, because zeros are none.
+// @pre `set` is one of receptances in the band
+bool has_variances(const modal::FrfSet& set) {
+  if (set.variance.empty()) return false;
+  std::string without;
+  bool some = false;
+  for (Eigen::Index j = 0; j < set.input_count(); ++j) {
+    for (Eigen::Index i = 0; i < set.output_count(); ++i) {
+      const auto one = response_of(set, i, j);
+      if (one.there.sum() == 0.0) continue;
+      const bool has = one.variance.maxCoeff() > 0.0;
+      some = some || has;
+      if (!has && without.empty()) without = response_name(set, i, j);
+    }
+  }
+  require(!some || without.empty(),
+          "response " + without +
+              ": its variance is 0 on all lines, those of others are not; expected variances above "
+              "0, or no variance of any response");
+  return some;
+}
+
 Eigen::VectorXd weights(const Response& one, const FitDataOptions& options, double largest) {
   const Eigen::VectorXd magnitude = smoothed_magnitude(one.value, one.there);
   Eigen::VectorXd deviation(one.value.size());
@@ -224,10 +246,11 @@ FitData fit_data(const modal::FrfSet& measured, const FitDataOptions& options) {
   data.frequency_hz = set.frequency_hz;
   data.value.setZero(set.line_count(), data.outputs * data.inputs);
   data.weight.setZero(set.line_count(), data.outputs * data.inputs);
-  data.noise_stated = options.weighting == Weighting::variance && !set.variance.empty();
-  const bool exact = set.averages == 0.0;
+  data.noise_stated = options.weighting == Weighting::variance && has_variances(set);
+  const bool unstated = set.averages == 0.0;
   data.noise_known =
-      data.noise_stated && options.model_error == 0.0 && (exact || set.averages > kLeastFreedom);
+      data.noise_stated && options.model_error == 0.0 && (unstated || set.averages > kLeastFreedom);
+  data.freedom_known = !data.noise_known || !unstated;
   for (Eigen::Index j = 0; j < data.inputs; ++j) {
     for (Eigen::Index i = 0; i < data.outputs; ++i) {
       const auto one = response_of(set, i, j);
@@ -240,7 +263,7 @@ FitData fit_data(const modal::FrfSet& measured, const FitDataOptions& options) {
       data.weight.col(i + data.outputs * j) = weights(one, options, largest);
     }
   }
-  if (data.noise_known && !exact) {
+  if (data.noise_known && !unstated) {
     data.noise_freedom = set.averages;
     data.shared_lines = lines_of_one_variance(data);
   }

@@ -15,6 +15,7 @@ struct FitData {
   Eigen::MatrixXd weight;        ///< K×pq: 1/σ with σ² = E|G − G₀|²; 0: not measured
   bool noise_known = true;       ///< the weights are true deviations, not only their proportions
   bool noise_stated = true;      ///< variances came with the data, whatever was added to them
+  bool freedom_known = true;   ///< else ν is not stated; the variances are weighted as exact ones
   double noise_freedom = 0.0;  ///< ν, complex degrees of freedom of each variance; 0: exact
   double shared_lines = 1.0;   ///< neighbouring lines that share one estimate of the variance
 
@@ -68,13 +69,15 @@ struct FitDataOptions {
 };
 
 /// Converts the set to weighted receptances. Variances of 2 or fewer degrees of freedom
-/// (FrfSet::averages) count as proportions only, because their inverse has no mean square. The
+/// (FrfSet::averages) count as proportions only, because their inverse has no mean square. Where ν
+/// is not stated, freedom_known is false: noise then leaves anything up to good_level. The
 /// number of lines that share a variance follows from the differences between neighbours. If the
 /// set states no variance, each line's variance is estimated from its difference to a local
 /// polynomial through its neighbours.
 /// @throws InvalidInput  fewer than 9 lines in the band, a response with 1 to 8 finite lines, one
 ///                       whose receptances are all below 1e-70 m/N or not all below 1e70 m/N, a
-///                       variance that is negative
+///                       variance that is negative, or 0 on all lines of one response where others
+///                       have one
 [[nodiscard]] FitData fit_data(const modal::FrfSet& set, const FitDataOptions& options = {});
 
 /// The same data with new variances. They come from local polynomials through the residual of a

@@ -94,10 +94,11 @@ void look_at_complex_shapes(const Identified& found, const FitData& data,
 
 Trust verdict(const ModalFit& fit, const FitData& data, const Judgement& judgement) {
   if (!judgement.reasons.empty()) return Trust::none;
-  const bool more = data.noise_known ? fit.excess() > Constants::no_chance
-                                     : judgement.level > Constants::good_level;
-  if (more) return Trust::systematic;
-  return data.noise_known ? Trust::to_noise : Trust::good;
+  // Variances of an unknown number of averages leave up to the good level: ν/(ν−1) of three.
+  const bool above = judgement.level > Constants::good_level;
+  if (!data.noise_known) return above ? Trust::systematic : Trust::good;
+  if (fit.excess() <= Constants::no_chance) return Trust::to_noise;
+  return data.freedom_known || above ? Trust::systematic : Trust::good;
 }
 
 }  // namespace

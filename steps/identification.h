@@ -44,8 +44,9 @@ struct MeasuredFrfs {
 struct SecondRecord {
   std::string file;
   modal::FrfSet set;  ///< its responses in the band of the fit, between the channels of the fit
-  double added_decay = 0.0;  ///< as in MeasuredFrfs
-  bool noise_known = true;   ///< else the noise is estimated, or an error of the model is allowed
+  double added_decay = 0.0;   ///< as in MeasuredFrfs
+  bool noise_known = true;    ///< else the noise is estimated, or an error of the model is allowed
+  bool freedom_known = true;  ///< else its variances are of an unknown number of averages
   identification::Validation left;  ///< what the prediction leaves of it
   double expected_level = 1.0;      ///< as in CrossValidation
 };

@@ -43,6 +43,7 @@ BandResidual band_residual(const FitData& data, const Eigen::MatrixXcd& error, I
                      .weight = data.weight.middleRows(first, count),
                      .noise_known = data.noise_known,
                      .noise_stated = data.noise_stated,
+                     .freedom_known = data.freedom_known,
                      .noise_freedom = data.noise_freedom,
                      .shared_lines = data.shared_lines};
   const auto weight = part.weight.array();

@@ -122,6 +122,7 @@ FitData projected(const std::vector<Eigen::MatrixXd>& by_input, const Eigen::Mat
                  .weight = {},
                  .noise_known = like.noise_known,
                  .noise_stated = like.noise_stated,
+                 .freedom_known = like.freedom_known,
                  .noise_freedom = like.noise_freedom,
                  .shared_lines = like.shared_lines};
   result.value.resize(lines, rows * right.cols());

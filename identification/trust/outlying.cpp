@@ -17,10 +17,18 @@ namespace {
 
 constexpr double kMedianPower = 0.6931;  // of an exponential number of mean 1
 
+// Degrees of freedom of the variances; 0: exact. Where they are not stated, what a good fit leaves
+// tells them: ν/(ν−1).
+double freedom(const FitData& data, double level) {
+  if (!data.noise_known) return 0.0;
+  if (data.freedom_known) return data.noise_freedom;
+  return level > 1.0 && level <= Constants::good_level ? level / (level - 1.0) : 0.0;
+}
+
 // The |w n| that noise alone exceeds once in a million records.
-double largest_of_noise(const FitData& data) {
+double largest_of_noise(const FitData& data, double level) {
   const double numbers = std::max(1.0, 0.5 * static_cast<double>(data.measured_count()));
-  const double v = data.noise_known ? data.noise_freedom : 0.0;
+  const double v = freedom(data, level);
   const double rare = std::log(numbers / Constants::false_alarm);
   // P(F > t) is (1 + t/ν)^−ν with 2 and 2ν degrees of freedom; an exponential number has e^−t.
   return std::sqrt(v > 0.0 ? v * std::expm1(rare / v) : rare);
@@ -91,7 +99,7 @@ Eigen::VectorXd residuals(const FitData& data, const Eigen::VectorXcd& fitted, E
 
 std::vector<OutlyingValue> outlying_of(const FitData& data, const ModalFit& fit) {
   const Eigen::MatrixXcd fitted = responses(fit, data.frequency_hz);
-  const double least = largest_of_noise(data);
+  const double least = largest_of_noise(data, noise_level(fit, data));
   std::vector<OutlyingValue> found;
   for (Eigen::Index e = 0; e < data.response_count(); ++e) {
     const auto residual = residuals(data, fitted.col(e), e);

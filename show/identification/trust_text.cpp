@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "identification/constants.h"
 #include "show/identification.h"
 
 namespace chladni::show {
@@ -50,7 +51,13 @@ std::string left_text(const steps::IdentifiedModel& model) {
                        : data.noise_stated ? "those of the noise and the stated error of the model"
                                            : "those of the noise and of an error of the model that "
                                              "are assumed";
-  return fmt::format("squares of what is left are {:.3g} times {}", judgement.level, against);
+  const bool open = !data.freedom_known && judgement.level > 1.0;
+  auto text = fmt::format("squares of what is left are {:.3g} times {}", judgement.level, against);
+  if (open) {
+    text += fmt::format(" (of how many averages is not stated: up to {:.2g} may be noise)",
+                        identification::Constants::good_level);
+  }
+  return text;
 }
 
 std::string complex_text(const identification::ComplexAlternative& complex) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "identification/constants.h"
 #include "show/identification.h"
 
 namespace chladni::show {
@@ -16,9 +17,13 @@ std::string band_text(const BandResidual& band) {
   return fmt::format("{:.6g} to {:.6g} Hz", band.low_hz, band.high_hz);
 }
 
+// The band that leaves most. Bands without a measured line have no level; none if all are such.
 const BandResidual* worst(const std::vector<BandResidual>& bands) {
-  const auto found = std::ranges::max_element(bands, {}, &BandResidual::level);
-  return found == bands.end() ? nullptr : &*found;
+  const BandResidual* found = nullptr;
+  for (const auto& band : bands) {
+    if (std::isfinite(band.level) && (!found || band.level > found->level)) found = &band;
+  }
+  return found;
 }
 
 io::Json band_json(const BandResidual& band) {
@@ -36,8 +41,10 @@ io::Json band_json(const BandResidual& band) {
 // "predicted to 2.31 % of their size, noise there 2.28 %; the error's square is 1.02 +- 0.03 times
 // the noise, 1.01 if the model is right"
 std::string prediction_text(const identification::Validation& left, double expected,
-                            bool noise_known) {
+                            bool noise_known, bool freedom_known) {
   constexpr double kNoChance = 3.0;
+  // What variances of an unknown number of averages may leave of noise alone.
+  const double noise = freedom_known ? 1.0 : identification::Constants::good_level;
   const auto& whole = left.whole;
   std::string text = fmt::format(
       "predicted to {:.3g} % of their size, {} there {:.3g} %; the error's square is {:.4g} +- "
@@ -45,10 +52,10 @@ std::string prediction_text(const identification::Validation& left, double expec
       100.0 * whole.relative_error, noise_known ? "noise" : "noise and model error allowed",
       100.0 * whole.relative_noise, whole.level, whole.level_deviation, expected);
   const auto* most = worst(left.bands);
-  if (left.bands.size() > 1) {
+  if (most && left.bands.size() > 1) {
     text += fmt::format(", {:.3g} times at most ({})", most->level, band_text(*most));
   }
-  const bool is_more = whole.level > expected + kNoChance * whole.level_deviation;
+  const bool is_more = whole.level > noise * expected + kNoChance * whole.level_deviation;
   return text + (is_more ? ": the model lacks or invents something\n" : "\n");
 }
 
@@ -89,14 +96,15 @@ io::Json second_record_json(const steps::IdentifiedModel& model) {
 std::string unseen_text(const steps::IdentifiedModel& model) {
   std::string text;
   if (const auto& left_out = model.cross_validation) {
-    text += fmt::format(
-        "{} left out in turn ({}): {}", left_out->by, left_out->parts.size(),
-        prediction_text(left_out->all, left_out->expected_level, model.data.noise_known));
+    text += fmt::format("{} left out in turn ({}): {}", left_out->by, left_out->parts.size(),
+                        prediction_text(left_out->all, left_out->expected_level,
+                                        model.data.noise_known, model.data.freedom_known));
   }
   if (const auto& second = model.second_record) {
     text +=
         fmt::format("second record {}: {}", std::filesystem::path(second->file).filename().string(),
-                    prediction_text(second->left, second->expected_level, second->noise_known));
+                    prediction_text(second->left, second->expected_level, second->noise_known,
+                                    second->freedom_known));
   }
   return text;
 }
@@ -107,7 +115,7 @@ std::string validation_text(const steps::IdentifiedModel& model) {
       fmt::format("fit {:.4g} %; the residual's square is {:.3g} times the {}", percent,
                   whole.level, model.data.noise_known ? "noise" : "noise and model error allowed");
   const auto* most = worst(bands);
-  if (bands.size() > 1) {
+  if (most && bands.size() > 1) {
     text += fmt::format(", {:.3g} times at most ({})", most->level, band_text(*most));
   }
   const bool is_white = std::abs(whole.correlation) <= whole.correlation_limit;

@@ -98,6 +98,12 @@ FitData data_of(const study::Study& study, const IdentifiedModel& model,
   }
 }
 
+std::nullopt_t without_parts(const std::exception& failure, stage::Work& work) {
+  work.note(std::string("nothing is left out in turn: a fit without one part fails: ") +
+            failure.what());
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<identification::CrossValidation> cross_validated(const study::Study& study,
@@ -115,9 +121,9 @@ std::optional<identification::CrossValidation> cross_validated(const study::Stud
     }
     return identification::cross_validation(folds.by, parts, flexible_hz(model.found.fit));
   } catch (const NumericalFailure& failure) {
-    work.note(std::string("nothing is left out in turn: a fit without one part fails: ") +
-              failure.what());
-    return std::nullopt;
+    return without_parts(failure, work);
+  } catch (const InvalidInput& failure) {  // of the data of one part, not of the study's
+    return without_parts(failure, work);
   }
 }
 
@@ -146,6 +152,7 @@ void score_second_record(const study::Study& study, IdentifiedModel& model) {
   if (second.set.variance.empty()) data = reweighted_data(study, model, data, predicted);
   second.expected_level = 1.0 + identification::fit_error_over_noise(data, model.data, fit);
   second.noise_known = data.noise_known;
+  second.freedom_known = data.freedom_known;
   second.left = identification::validation(data, predicted, flexible_hz(fit));
 }
 

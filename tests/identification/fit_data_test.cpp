@@ -106,6 +106,26 @@ TEST(FitData, IsTheSameFromAnyKindOfResponse) {
   EXPECT_LT((turned.weight - direct.weight).norm(), 1e-12 * direct.weight.norm());
 }
 
+// A variance of 0 is none: the response would weigh as no measurement can.
+TEST(FitData, NamesTheResponseThatHasNoVariance) {
+  auto set = simulators::beam5x3().measured;
+  for (auto& line : set.variance) line(1, 2) = 0.0;
+  try {
+    (void)fit_data(set);
+    FAIL() << "taken";
+  } catch (const InvalidInput& e) {
+    const std::string text = e.what();
+    EXPECT_NE(text.find("response y2/u3"), std::string::npos) << text;
+    EXPECT_NE(text.find("expected variances above 0"), std::string::npos) << text;
+  }
+  for (auto& line : set.value)
+    line(1, 2) = std::nan("");  // not measured: its variance says nothing
+  EXPECT_TRUE(fit_data(set).noise_stated);
+  for (auto& line : set.variance) line.setZero();
+  EXPECT_FALSE(fit_data(set).noise_stated);
+  EXPECT_FALSE(fit_data(set).noise_known);
+}
+
 TEST(FitData, NamesWhatIsWrong) {
   auto set = beam(0.3);
   FitDataOptions narrow;

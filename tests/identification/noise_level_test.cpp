@@ -10,6 +10,7 @@
 #include "identification/fit_data.h"
 #include "identification/identified.h"
 #include "identification/modal_fit.h"
+#include "identification/trust.h"
 #include "simulators/frf_bounds.h"
 #include "simulators/frf_cases.h"
 #include "tests/identification/gains/gain_case.h"
@@ -137,6 +138,28 @@ TEST(NoiseLevel, DeviationsKnowThatTheWeightsScatter) {
   }
 }
 
+// What sample variances leave is no error of the model where nobody says that they are samples.
+TEST(NoiseLevel, VariancesOfUnknownAveragesAreNotTakenForExact) {
+  auto made = simulators::beam5x3();
+  estimate_variances(made, 14, 7, 2);
+  made.measured.averages = 0.0;
+  const auto data = fit_data(made.measured);
+  EXPECT_TRUE(data.noise_known);
+  EXPECT_FALSE(data.freedom_known);
+  Identified found;
+  found.fit = modal_fit(data, start_at(made.truth));
+  EXPECT_GT(found.fit.excess(), 5.0);
+  const auto judgement = judged(found, data, std::nullopt);
+  EXPECT_EQ(judgement.trust, Trust::good);
+  EXPECT_NEAR(judgement.level, 14.0 / 13.0, 0.03);
+  EXPECT_TRUE(judgement.outlying.empty());
+  // More than the fewest averages leave is the model's.
+  for (auto& line : made.measured.variance) line /= 1.6;
+  const auto more = fit_data(made.measured);
+  found.fit = modal_fit(more, start_at(made.truth));
+  EXPECT_EQ(judged(found, more, std::nullopt).trust, Trust::systematic);
+}
+
 // 1/s² has no mean square: such variances are proportions.
 TEST(NoiseLevel, VariancesOfTwoDegreesOfFreedomAreNotTaken) {
   auto made = small_beam(1);
@@ -203,6 +226,11 @@ TEST(NoiseLevel, AnUndampedModeAboveTheBandTakesNoOtherDeviation) {
       return note.find("no damping") != std::string::npos;
     });
     EXPECT_TRUE(told);
+    // What the data say of that damping without the bound: enough for a band of the responses.
+    const auto& covariance = fit.mode_covariance[static_cast<std::size_t>(last)];
+    EXPECT_TRUE(covariance.allFinite());
+    EXPECT_GT(covariance(1, 1), 0.0);
+    EXPECT_LT(covariance(1, 1), 1.0);
     // The others are as sure as they are with that mode given.
     const auto bounds = simulators::cramer_rao(made);
     EXPECT_LT((fit.frequency_std_hz.head(last).array() / bounds.frequency_hz.head(last).array())
