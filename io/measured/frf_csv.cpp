@@ -197,8 +197,8 @@ double averages_of(const CsvTable& table, Index column, std::vector<std::string>
     if (std::isnan(value)) continue;
     if (value < 0.0) {
       throw InvalidInput(
-          table.file + ": line " + std::to_string(table.line[static_cast<std::size_t>(k)]) +
-          ": averages is " + fmt::format("{:g}", value) + "; expected 0 (not known) or more");
+          fmt::format("{}: line {}: averages is {:g}; expected 0 (not known) or more", table.file,
+                      table.line[static_cast<std::size_t>(k)], value));
     }
     fewest = std::min(fewest, value);
     most = std::max(most, value);
