@@ -85,7 +85,7 @@ struct DiagnosisOptions {
   /// Lines of the search, at most; the last fit takes twice as many.
   int lines = kConstants.lines_of_search;
   int most_causes = kConstants.most_causes;
-  /// Of responses: whether one cause explains much. A few quick fits on the lines of the search, no
+  /// Asks responses only whether one cause explains much. A few quick fits on the lines of the search, no
   /// last fits, no test on held-out data. No verdict of it is final.
   bool is_look = false;
   /// ln of the Bayes factor that a cause needs.

@@ -8,7 +8,7 @@
 
 namespace chladni::identification {
 
-/// Of a period or of the record of a blow: as many as a study may state.
+/// Samples of a period, or of the record of a blow, at most: as many as a study may state.
 inline constexpr double kMostSamples = 1 << 24;
 
 /// K lines, all outputs (P) and inputs (q) of the model.

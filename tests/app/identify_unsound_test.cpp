@@ -36,7 +36,7 @@ TEST_F(Identify, DoesNotPassAFailedFitForASuccess) {
   EXPECT_EQ(trust.at("outlying").array()[0].at("frequency_hz").number(), set.frequency_hz(700));
 }
 
-// Of `chladni`; it prints its result and then fails.
+// The program prints its result and then fails.
 TEST_F(Identify, PrintsAnUntrustedFitAndItsErrorAsOneObject) {
   auto set = measured(identification::beam_with_coils(), 5, {1, 2, 3, 4, 5});
   set.value[700](2, 0) += 80.0 * std::sqrt(set.variance[700](2, 0));

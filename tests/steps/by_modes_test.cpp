@@ -38,7 +38,7 @@ Diagnosis told(Verdict verdict, const std::vector<diagnosis::Cause>& causes, dou
   return made;
 }
 
-// Of modes: one mode is told.
+// The same, told of modes: there is one.
 Diagnosis told_of_modes(Verdict verdict, const std::vector<diagnosis::Cause>& causes, double before,
                         double after) {
   auto made = told(verdict, causes, before, after);
