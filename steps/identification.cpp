@@ -236,7 +236,7 @@ void fit_again(const study::IdentificationPlan& plan, const study::Study& study,
                IdentifiedModel& model, stage::Work& work) {
   auto again = work.timed("fit again", [&] { return found(plan, study, model.data, work); });
   const bool is_lost =
-      plan.method != "thesis" && cost(model.data, again.fit) > cost(model.data, model.found.fit);
+      plan.method != "thesis" && again.fit.cost > cost(model.data, model.found.fit);
   if (is_lost) {
     again.fit =
         identification::refitted(model.data, model.found.fit, fit_options(plan, study, work).fit);
