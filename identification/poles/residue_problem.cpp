@@ -14,6 +14,20 @@ namespace chladni::identification {
 namespace {
 
 constexpr double kJitter = 1e-13;  // for products scaled to a unit diagonal
+constexpr double kDigits = 1e-12;  // part of the other function's square that rounding may be
+
+// Takes out the functions of a pole that rounding alone is left of: of a pole and its conjugate
+// that are nearly one (a damping ratio of 1), the difference; its square may even be negative.
+void take_out_rounding(Eigen::Index poles, PoleProducts::Products& products) {
+  auto& gram = products.functions;
+  for (Eigen::Index u = 0; u < 2 * poles; ++u) {
+    const double other = gram(u ^ 1, u ^ 1);
+    if (gram(u, u) > kDigits * std::abs(other)) continue;
+    gram.row(u).setZero();
+    gram.col(u).setZero();
+    products.mixed.row(u).setZero();
+  }
+}
 
 }  // namespace
 
@@ -39,7 +53,8 @@ ResidueProblem::ResidueProblem(const FitData& data, const Eigen::VectorXcd& pole
   }
   for (auto u = 2 * poles_; u < products.function_count(); ++u) used.push_back(u);
   for (Eigen::Index e = 0; e < data.response_count(); ++e) {
-    const auto one = products.of(e, true);
+    auto one = products.of(e, true);
+    take_out_rounding(poles_, one);
     const Eigen::VectorXd right = one.mixed.col(2 * poles_);
     responses_.push_back({one.functions(used, used), right(used)});
   }
@@ -74,6 +89,7 @@ void ResidueProblem::put(std::size_t response, const std::vector<Eigen::Index>& 
   if (!rigid_) return;
   const double factor_rigid = unit(n + 1) * scale_ * scale_;
   result.rigid(i, j) = factor_rigid * c(n + 1);
+  if (factor_rigid == 0.0) return;
   result.rigid_worth(i, j) = 1.0 / (inverse(n + 1, n + 1) * factor_rigid * factor_rigid);
 }
 
@@ -97,9 +113,10 @@ Residues ResidueProblem::residues(const std::vector<Eigen::Index>& chosen) const
   for (std::size_t e = 0; e < responses_.size(); ++e) {
     if (responses_[e].gram.diagonal().maxCoeff() == 0.0) continue;
     Eigen::MatrixXd a = responses_[e].gram(used, used);
-    const Eigen::VectorXd unit = a.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::ArrayXd square = a.diagonal();
+    const Eigen::VectorXd unit = (square > 0.0).select(square.max(1e-300).sqrt().inverse(), 0.0);
     a = unit.asDiagonal() * a * unit.asDiagonal();
-    a.diagonal().array() += kJitter;
+    a.diagonal().array() += (square > 0.0).select(kJitter, Eigen::ArrayXd::Ones(square.size()));
     const Eigen::LDLT<Eigen::MatrixXd> factor(a);
     const Eigen::VectorXd right = unit.cwiseProduct(responses_[e].right(used));
     const Eigen::VectorXd c = factor.solve(right);

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "fit_errors.h"
+#include "identification/poles/residue_problem.h"
 #include "simulators/frf_bounds.h"
 #include "simulators/frf_cases.h"
 
@@ -45,6 +46,30 @@ TEST(VectorFit, LeavesRigidBodyModesToTheirTerm) {
   options.rigid = true;
   EXPECT_LT(farthest(start_at(made.truth).pole, vector_fit(fit_data(made.measured), options)),
             1e-9);
+}
+
+// Of a pole and its conjugate that are nearly one, rounding is all that their difference has left:
+// its square may be below zero. The other poles' residues are those without that pole.
+TEST(ResidueProblem, LeavesOutAPoleThatHasNoDigits) {
+  const auto made = simulators::beam5x3();
+  auto data = fit_data(made.measured);
+  data.weight *= 1e8;  // where responses are small, scales of such functions reach beyond a double
+  const auto truth = start_at(made.truth).pole;
+  const auto without = ResidueProblem(data, truth, true).residues();
+  for (int i = 0; i < 40; ++i) {
+    const double decay = 200.0 + 30.0 * i;
+    Eigen::VectorXcd poles(truth.size() + 1);
+    poles << std::complex<double>(-decay, 1e-9 * decay), truth;
+    const auto found = ResidueProblem(data, poles, true).residues();
+    EXPECT_TRUE(found.significance.allFinite()) << decay;
+    EXPECT_TRUE(found.rigid_worth.allFinite()) << decay;
+    EXPECT_TRUE(found.of_pole[0].allFinite()) << decay;
+    for (std::size_t m = 1; m < found.of_pole.size(); ++m) {
+      EXPECT_LT((found.of_pole[m] - without.of_pole[m - 1]).norm(),
+                1e-3 * without.of_pole[m - 1].norm())
+          << decay;
+    }
+  }
 }
 
 // Poles are near enough to start from at any noise, and whatever order is asked for.
