@@ -20,6 +20,9 @@ struct Constants {
   /// Damping of a pole over the usual damping from which it is taken for a satellite of a mode [1]
   /// (chosen, 58a3bbf).
   static constexpr double broad = 10.0;
+  /// Damping of a pole over the usual damping, or the inverse, from which a fit is also tried
+  /// without it, from modes above the lines instead [1] (chosen).
+  static constexpr double unusual = 3.0;
   /// Worth of a satellite over that of its mode, at most [1] (chosen, 58a3bbf).
   static constexpr double satellite_worth = 0.01;
   /// Distance of a satellite from its mode, at most [bandwidths] (chosen, 58a3bbf).
@@ -33,6 +36,18 @@ struct Constants {
   static constexpr double most_damping = 0.4;
   /// Lowest frequency of a mode over that of the lowest line [1] (chosen, 979c0d7).
   static constexpr double below_band = 0.5;
+  /// Damping ratio above which a mode has no resonance: its receptance has no peak [1] (1/sqrt 2).
+  static constexpr double no_peak = 0.70710678;
+  /// Modes above the lines with which a fit is tried that leaves more than noise [modes] (chosen).
+  static constexpr Eigen::Index modes_above = 2;
+  /// Frequency of the first of them over that of the highest line, and of each over the one before
+  /// [1] (chosen).
+  static constexpr double next_above = 1.5;
+  /// Part of the cost that modes above the lines leave, below which a drift is looked for again
+  /// beside them [1] (chosen).
+  static constexpr double above_explains = 0.5;
+  /// Most rounds of such trials [rounds] (chosen).
+  static constexpr int rounds_above = 3;
   /// Highest frequency of a mode over that of the highest line [1] (chosen, 979c0d7).
   static constexpr double above_band = 1.1;
   /// Cost above what noise leaves; below it no further mode is sought [deviations] (chosen,
@@ -172,8 +187,8 @@ struct Constants {
   static constexpr double bad_level = 10.0;
   /// Two complex modes nearer than this are one pole twice [half bandwidths] (chosen).
   static constexpr double doubled = 0.2;
-  /// Least imaginary part of the pole of a complex mode over its size. Its residue is over 2jω_d, and
-  /// ω_d from a damping ratio of nearly 1 has lost its digits [1] (chosen: ω_d then has ten).
+  /// Least imaginary part of the pole of a complex mode over its size. Its residue is over 2jω_d,
+  /// and ω_d from a damping ratio of nearly 1 has lost its digits [1] (chosen: ω_d then has ten).
   static constexpr double least_turning = 1e-3;
   /// A mode so many times below the lowest line or above the highest is none of the data's [1]
   /// (chosen).

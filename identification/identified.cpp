@@ -12,22 +12,13 @@
 #include "identification/constants.h"
 #include "identification/delay_scan.h"
 #include "identification/likelihood/compression.h"
-#include "identification/poles/missing_mode.h"
+#include "identification/poles/beyond_lines.h"
 #include "identification/poles/mode_choice.h"
+#include "identification/poles/order_search.h"
 #include "identification/poles/start_poles.h"
 
 namespace chladni::identification {
 namespace {
-
-// Whether a fit with one more mode is worth its parameters.
-bool pays(const FitData& data, const ModalFit& before, const ModalFit& after) {
-  const double level = noise_level(after, data);
-  const double parameters = static_cast<double>(after.parameter_count - before.parameter_count);
-  const double needed = 0.5 * level * std::max(1.0, parameters) *
-                        std::log(static_cast<double>(data.measured_count()));
-  const double won = before.cost - after.cost;
-  return won > needed && (data.noise_known || won > Constants::least_decrease * before.cost);
-}
 
 // The poles that look repeated are used twice if that pays.
 ModalFit first_fit(const FitData& data, const Start& start, const std::vector<Eigen::Index>& twice,
@@ -42,130 +33,6 @@ ModalFit first_fit(const FitData& data, const Start& start, const std::vector<Ei
   }
   auto fit = modal_fit(data, more, options);
   return pays(data, once, fit) ? fit : once;
-}
-
-// Whether a pole lies so far beyond the lines that none sees its resonance.
-bool is_far(const FitData& data, const std::complex<double>& pole) {
-  const double own = std::abs(pole) / kTwoPi;
-  const auto& lines = data.frequency_hz;
-  const double lowest = lines(0) > 0.0 || lines.size() < 2 ? lines(0) : lines(1);
-  return own * Constants::far_beyond < lowest ||
-         own > Constants::far_beyond * lines(lines.size() - 1);
-}
-
-bool has_far_mode(const FitData& data, const ModalFit& fit) {
-  const auto poles = start_at(fit.model).pole;
-  return std::any_of(poles.begin(), poles.end(), [&](auto pole) { return is_far(data, pole); });
-}
-
-// Removes modes that left the lines during the fit. They stand for what real shapes cannot explain,
-// and their residues are not determined.
-void drop_far_modes(const FitData& data, const FitOptions& options, ModalFit& fit) {
-  auto start = start_at(fit.model);
-  std::vector<Eigen::Index> near;
-  for (Eigen::Index m = 0; m < start.pole.size(); ++m) {
-    // No fit starts from a pole without damping: its judgement refuses such a one.
-    if (!(start.pole(m).real() < 0.0 && start.pole(m).imag() > 0.0)) return;
-    if (!is_far(data, start.pole(m))) near.push_back(m);
-  }
-  if (near.empty() || std::ssize(near) == start.pole.size()) return;
-  start.pole = start.pole(near).eval();
-  fit = modal_fit(data, start, options);
-}
-
-// Removes a mode without worth once the poles are the most likely ones. Such a pole was never a
-// mode: it corrected errors that the vector fit had left in its neighbours.
-void drop_idle_modes(const FitData& data, const FitOptions& options, Identified& result) {
-  while (result.fit.flexible_count() > 1) {
-    const auto start = start_at(result.fit.model);
-    const auto residues =
-        ResidueProblem(data, start.pole, start.rigid_count > 0, options.damping).residues();
-    Eigen::Index weakest = 0;
-    const double worth = residues.significance.minCoeff(&weakest);
-    if (worth >= least_significance(data, residues.cost)) return;
-    Start less = start;
-    const auto after = start.pole.size() - weakest - 1;
-    less.pole.segment(weakest, after) = start.pole.tail(after).eval();
-    less.pole.conservativeResize(start.pole.size() - 1);
-    auto fit = modal_fit(data, less, options);
-    const bool taken = !pays(data, fit, result.fit);
-    result.steps.push_back({fit.flexible_count(), fit.cost, fit.excess(), taken});
-    if (!taken) return;
-    result.fit = std::move(fit);
-  }
-}
-
-// A start with one more mode. Complex modes stay as they are: fitted anew beside it, their residues
-// often have no single direction, and the descent ends elsewhere.
-Start one_more(const ModalFit& fit, const MissingMode& missing) {
-  Start start = start_of(fit);
-  start.pole.conservativeResize(start.pole.size() + 1);
-  start.pole(start.pole.size() - 1) = missing.pole;
-  if (fit.complex) start.general.push_back(missing.general);
-  return start;
-}
-
-// Whether the data ask for no further mode. Modes far beyond the lines end where little more than
-// noise is left: what remains is no mode of the structure.
-bool is_enough(const FitData& data, const IdentificationOptions& options, const ModalFit& fit) {
-  if (!data.noise_known) return false;
-  return fit.excess() < Constants::enough_excess ||
-         (options.far_modes && noise_level(fit, data) < Constants::good_level);
-}
-
-// The weaker one of two poles within this part of a bandwidth; -1: there are none.
-Eigen::Index doubled_pole(const ModalFit& fit) {
-  const auto pole = start_at(fit.model).pole;
-  const auto rigid = fit.model.rigid_count;
-  const auto size = [&](Eigen::Index m) {
-    return fit.model.output_shapes.col(rigid + m).squaredNorm();
-  };
-  for (Eigen::Index m = 0; m < pole.size(); ++m) {
-    for (Eigen::Index n = 0; n < m; ++n) {
-      if (std::abs(pole(m) - pole(n)) < Constants::doubled * -pole(m).real()) {
-        return size(m) < size(n) ? m : n;
-      }
-    }
-  }
-  return -1;
-}
-
-// Leaves out one of two complex modes at one pole, whose shapes nothing determines, if that costs
-// less than its parameters.
-void drop_doubled_modes(const FitData& data, const FitOptions& options, Identified& result) {
-  for (Eigen::Index m = 0; result.fit.complex && (m = doubled_pole(result.fit)) >= 0;) {
-    Start less = start_of(result.fit);
-    const auto after = less.pole.size() - m - 1;
-    less.pole.segment(m, after) = less.pole.tail(after).eval();
-    less.pole.conservativeResize(less.pole.size() - 1);
-    less.general.erase(less.general.begin() + m);
-    auto fit = modal_fit(data, less, options);
-    const bool taken = !pays(data, fit, result.fit);
-    result.steps.push_back({fit.flexible_count(), fit.cost, fit.excess(), taken});
-    if (!taken) return;
-    result.fit = std::move(fit);
-  }
-}
-
-void add_missing_modes(const FitData& data, const IdentificationOptions& options,
-                       Identified& result) {
-  const auto channels = data.outputs + data.inputs;
-  const auto of_mode = options.fit.damping == Damping::general ? 2 * channels : channels + 1;
-  const auto room = data.measured_count() / (2 * of_mode);
-  const auto most = options.modes > 0 ? options.modes : std::min(options.most_modes, room);
-  while (result.fit.flexible_count() < most) {
-    if (options.fit.keep_best && interrupted()) break;
-    const bool wanted = options.modes > result.fit.flexible_count();
-    if (!wanted && is_enough(data, options, result.fit)) break;
-    const auto candidate = missing_mode(data, result.fit);
-    if (!wanted && is_satellite(data, result.fit, candidate.pole)) break;
-    auto fit = modal_fit(data, one_more(result.fit, candidate), options.fit);
-    const bool taken = wanted || (pays(data, result.fit, fit) &&
-                                  (options.far_modes || !has_far_mode(data, fit)));
-    result.steps.push_back({fit.flexible_count(), fit.cost, fit.excess(), taken});
-    if (!taken) break;
-    result.fit = std::move(fit);
-  }
 }
 
 // Delays of a fit with real modes: complex modes cannot give them, their phases look like delays.
@@ -202,7 +69,9 @@ Identified from_start(const FitData& data, const Start& start,
   FitOptions few = options.fit;
   if (data.noise_known) few.iterations = std::min(few.iterations, Constants::first_iterations);
   result.fit = first_fit(data, start, twice, few);
-  if (options.modes == 0 && !options.far_modes) drop_far_modes(data, few, result.fit);
+  if (options.modes == 0 && !options.far_modes) {
+    drop_modes_without_resonance(data, few, result.fit);
+  }
   result.steps.push_back({result.fit.flexible_count(), result.fit.cost, result.fit.excess(), true});
   if (options.modes == 0 && data.noise_known) drop_idle_modes(data, few, result);
   if (data.noise_known && !result.fit.converged) {
@@ -210,6 +79,10 @@ Identified from_start(const FitData& data, const Start& start,
     if (further.cost < result.fit.cost) result.fit = std::move(further);
   }
   add_missing_modes(data, options, result);
+  if (options.modes == 0) look_above_lines(data, start, options, result);
+  if (options.modes == 0 && !options.far_modes) {
+    drop_modes_without_resonance(data, options.fit, result.fit);
+  }
   if (options.modes == 0 && options.far_modes) drop_doubled_modes(data, options.fit, result);
   return result;
 }
@@ -227,6 +100,16 @@ Start chosen_start(const FitData& data, const IdentificationOptions& options, Ei
   return start;
 }
 
+// Whether a drift still matters where modes above the lines are fitted: what they add looks like
+// one.
+bool matters_beside_modes_above(const FitData& data, const Start& start, FitOptions options) {
+  options.iterations = std::min(options.iterations, Constants::first_iterations);
+  const auto above = with_modes_above(data, start, options.damping);
+  const bool explains = modal_fit(data, above, options).cost <
+                        Constants::above_explains * modal_fit(data, start, options).cost;
+  return !explains || drift_fit(data, above, options).drift.matters();
+}
+
 // Finds the drift and, if it matters, takes it out of the data.
 std::optional<Drift> drift_that_matters(FitData& data, const Start& found,
                                         const IdentificationOptions& options) {
@@ -238,6 +121,7 @@ std::optional<Drift> drift_that_matters(FitData& data, const Start& found,
   start.pole = strongest(data, found.pole, found.rigid_count > 0);
   auto [moved, fit] = drift_fit(data, start, options.fit);
   if (!moved.matters()) return std::nullopt;
+  if (!matters_beside_modes_above(data, start, options.fit)) return std::nullopt;
   if (start.pole.size() < found.pole.size()) {  // perhaps the left-out poles are modes
     FitOptions few = options.fit;
     few.iterations = std::min(few.iterations, Constants::first_iterations);

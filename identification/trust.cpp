@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "identification/constants.h"
+#include "identification/poles/beyond_lines.h"
 #include "identification/trust/outlying.h"
 
 namespace chladni::identification {
@@ -39,13 +40,17 @@ void look_at_modes(const ModalFit& fit, const FitData& data, Judgement& judgemen
   double doubtful = 0.0;
   for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) {
     const double power = powers_of(fit, m, data).sum();
+    const auto why = m < fit.model.rigid_count ? "" : doubt(fit, m);
+    if (!why.empty() && is_beyond_lines(data, fit.model.frequency_hz(m))) {
+      judgement.beyond_lines.push_back(m);
+      continue;
+    }
     total += power;
-    if (m < fit.model.rigid_count) continue;
-    const auto why = doubt(fit, m);
     if (why.empty()) continue;
     judgement.doubtful.push_back({m, why});
     doubtful += power;
   }
+  if (total == 0.0) judgement.reasons.emplace_back("no mode within the lines is found");
   judgement.doubtful_part = doubtful / std::max(total, 1e-300);
   if (judgement.doubtful_part > Constants::most_doubtful) {
     judgement.reasons.emplace_back("most of what is fitted is in modes that are hardly known");

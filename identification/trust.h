@@ -47,6 +47,9 @@ struct Judgement {
   double doubtful_part = 0.0;   ///< their part of the power of all modes, each mode taken by itself
   std::vector<OutlyingValue> outlying;
   std::vector<DoubtfulMode> doubtful;
+  /// Modes above or below the lines of which frequency, damping or shape is not known: with the
+  /// residual they stand for all that is there, and are no modes that were measured.
+  std::vector<Eigen::Index> beyond_lines;
   std::vector<std::string> reasons;  ///< why the fit is not to be trusted: one or more sentences
   std::optional<ComplexAlternative> with_complex_shapes;  ///< where they explain the data with no
                                                           ///< more modes
@@ -57,7 +60,8 @@ struct Judgement {
 
 /// A fit is not to be trusted if
 /// - it leaves a quarter of the data's power unexplained by itself or noise,
-/// - half of its modes' power is in doubtful modes,
+/// - half of its modes' power is in doubtful modes, or no mode but those beyond the lines is left;
+///   doubtful modes beyond the lines are not counted, since they cancel each other within,
 /// - outlying values decide it: the same identification without them has another number of modes,
 ///   or a mode that moves by more than five deviations. Where no variance is stated, this counts
 ///   only if a mode depends on them or the fit leaves ten times the noise.

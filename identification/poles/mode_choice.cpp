@@ -102,6 +102,23 @@ Eigen::VectorXcd strongest(const FitData& data, const Eigen::VectorXcd& poles, b
   return poles(kept);
 }
 
+Eigen::VectorXcd without_unusual(const FitData& data, const Eigen::VectorXcd& poles, bool rigid) {
+  if (poles.size() == 0) return poles;
+  const auto worth = ResidueProblem(data, poles, rigid).residues().significance;
+  const double usual = usual_damping(poles, worth);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index m = 0; m < poles.size(); ++m) {
+    const double times = -poles(m).real() / (usual * std::abs(poles(m)));
+    bool alone = times < Constants::unusual && times * Constants::unusual > 1.0;
+    for (Eigen::Index n = 0; n < poles.size(); ++n) {
+      const bool near = std::abs(poles(m) - poles(n)) < -poles(m).real();
+      alone = alone && !(near && worth(m) < worth(n));
+    }
+    if (alone) kept.push_back(m);
+  }
+  return poles(kept);
+}
+
 bool is_satellite(const FitData& data, const ModalFit& fit, const std::complex<double>& pole) {
   if (data.noise_stated) return false;
   const double own = std::abs(pole) / (2.0 * pi);

@@ -23,6 +23,11 @@ namespace chladni::identification {
 [[nodiscard]] Eigen::VectorXcd strongest(const FitData& data, const Eigen::VectorXcd& poles,
                                          bool rigid);
 
+/// The poles whose damping is within a factor Constants::unusual of the usual one, without the
+/// weaker one of two within half a bandwidth.
+[[nodiscard]] Eigen::VectorXcd without_unusual(const FitData& data, const Eigen::VectorXcd& poles,
+                                               bool rigid);
+
 /// Whether a further mode looks like an artefact beside a resonance: within a bandwidth of an
 /// existing mode, or with more than ten times the largest damping. Always false where a
 /// variance is stated.

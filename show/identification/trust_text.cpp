@@ -60,6 +60,17 @@ std::string left_text(const steps::IdentifiedModel& model) {
   return text;
 }
 
+std::string beyond_text(const steps::IdentifiedModel& model) {
+  std::string list;
+  for (const auto mode : model.judgement.beyond_lines) {
+    list += fmt::format("{}{} ({:.0f} Hz)", list.empty() ? "" : ", ", mode + 1,
+                        model.found.fit.model.frequency_hz(mode));
+  }
+  if (list.empty()) return "";
+  return "  beyond the lines: mode " + list +
+         "; what all modes there add is measured, these modes are not\n";
+}
+
 std::string complex_text(const identification::ComplexAlternative& complex) {
   return fmt::format(
       "complex shapes explain the data better: {:.3g} times with {} modes instead of {}; damping "
@@ -86,7 +97,7 @@ std::string trust_text(const steps::IdentifiedModel& model) {
     text += fmt::format("  mode {} ({:.4f} Hz): {}\n", one.mode + 1,
                         model.found.fit.model.frequency_hz(one.mode), one.why);
   }
-  return text + outlying_text(model);
+  return text + beyond_text(model) + outlying_text(model);
 }
 
 io::Json trust_json(const steps::IdentifiedModel& model) {
@@ -106,6 +117,10 @@ io::Json trust_json(const steps::IdentifiedModel& model) {
     doubtful.push_back(
         io::JsonObject{{"mode", static_cast<long long>(one.mode + 1)}, {"why", one.why}});
   }
+  io::JsonArray beyond;
+  for (const auto mode : judgement.beyond_lines) {
+    beyond.emplace_back(static_cast<long long>(mode + 1));
+  }
   return io::JsonObject{{"verdict", word(judgement.trust)},
                         {"trusted", judgement.trust != identification::Trust::none},
                         {"reasons", io::Json::texts(judgement.reasons)},
@@ -114,6 +129,7 @@ io::Json trust_json(const steps::IdentifiedModel& model) {
                         {"unexplained", judgement.unexplained},
                         {"doubtful_part", judgement.doubtful_part},
                         {"doubtful_modes", doubtful},
+                        {"beyond_lines", beyond},
                         {"outlying", outlying},
                         {"with_complex_shapes", complex_json(judgement.with_complex_shapes)}};
 }

@@ -1,0 +1,197 @@
+#include "identification/poles/order_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "base/interrupt.h"
+#include "identification/constants.h"
+#include "identification/poles/beyond_lines.h"
+#include "identification/poles/missing_mode.h"
+#include "identification/poles/mode_choice.h"
+
+namespace chladni::identification {
+namespace {
+
+// Which modes may be left out.
+enum class Idle {
+  worthless,  // those without worth at their poles
+  weakest,    // the weakest ones, as long as the others can take their place
+};
+
+void drop_modes(const FitData& data, const FitOptions& options, Idle idle, Identified& result) {
+  while (result.fit.flexible_count() > 1) {
+    const auto start = start_at(result.fit.model);
+    const auto residues =
+        ResidueProblem(data, start.pole, start.rigid_count > 0, options.damping).residues();
+    Eigen::Index weakest = 0;
+    const double worth = residues.significance.minCoeff(&weakest);
+    const bool has_worth = worth >= least_significance(data, residues.cost);
+    if (has_worth && idle == Idle::worthless) return;
+    Start less = start;
+    const auto after = start.pole.size() - weakest - 1;
+    less.pole.segment(weakest, after) = start.pole.tail(after).eval();
+    less.pole.conservativeResize(start.pole.size() - 1);
+    auto fit = modal_fit(data, less, options);
+    const bool taken = !pays(data, fit, result.fit);
+    result.steps.push_back({fit.flexible_count(), fit.cost, fit.excess(), taken});
+    if (!taken) return;
+    result.fit = std::move(fit);
+  }
+}
+
+// A start with one more mode. Complex modes stay as they are: fitted anew beside it, their residues
+// often have no single direction, and the descent ends elsewhere.
+Start one_more(const ModalFit& fit, const MissingMode& missing) {
+  Start start = start_of(fit);
+  start.pole.conservativeResize(start.pole.size() + 1);
+  start.pole(start.pole.size() - 1) = missing.pole;
+  if (fit.complex) start.general.push_back(missing.general);
+  return start;
+}
+
+// The weaker one of two poles within this part of a bandwidth; -1: there are none.
+Eigen::Index doubled_pole(const ModalFit& fit) {
+  const auto pole = start_at(fit.model).pole;
+  const auto rigid = fit.model.rigid_count;
+  const auto size = [&](Eigen::Index m) {
+    return fit.model.output_shapes.col(rigid + m).squaredNorm();
+  };
+  for (Eigen::Index m = 0; m < pole.size(); ++m) {
+    for (Eigen::Index n = 0; n < m; ++n) {
+      if (std::abs(pole(m) - pole(n)) < Constants::doubled * -pole(m).real()) {
+        return size(m) < size(n) ? m : n;
+      }
+    }
+  }
+  return -1;
+}
+
+// Whether a fit explains more than another, for its parameters.
+bool is_better(const FitData& data, const ModalFit& one, const ModalFit& other) {
+  return one.parameter_count > other.parameter_count ? pays(data, other, one)
+                                                     : !pays(data, one, other);
+}
+
+// A fit from another start, if there is one.
+std::optional<ModalFit> fit_if_any(const FitData& data, const Start& start, const FitOptions& how) {
+  try {
+    return modal_fit(data, start, how);
+  } catch (const InvalidInput&) {  // more parameters than numbers, a pole without damping
+  } catch (const NumericalFailure&) {
+  }
+  return std::nullopt;
+}
+
+// Fits poles and modes above the lines, and takes that fit if it is the better one.
+bool try_above(const FitData& data, const Start& start, const FitOptions& how,
+               const IdentificationOptions& options, Identified& result) {
+  const auto more = with_modes_above(data, start, how.damping);
+  if (start.pole.size() == 0 || more.pole.size() == start.pole.size()) return false;
+  auto fit = fit_if_any(data, more, how);
+  if (!fit) return false;
+  if (!options.far_modes) drop_modes_without_resonance(data, how, *fit);
+  Identified above{.fit = *std::move(fit), .steps = {}, .start_order = 0, .drift = {}};
+  drop_idle_modes(data, how, above);
+  const bool taken = is_better(data, above.fit, result.fit);
+  result.steps.push_back({above.fit.flexible_count(), above.fit.cost, above.fit.excess(), taken});
+  if (taken) result.fit = std::move(above.fit);
+  return taken;
+}
+
+}  // namespace
+
+bool pays(const FitData& data, const ModalFit& before, const ModalFit& after) {
+  const double level = noise_level(after, data);
+  const double parameters = static_cast<double>(after.parameter_count - before.parameter_count);
+  const double needed = 0.5 * level * std::max(1.0, parameters) *
+                        std::log(static_cast<double>(data.measured_count()));
+  const double won = before.cost - after.cost;
+  const auto more = std::max<Eigen::Index>(1, after.flexible_count() - before.flexible_count());
+  const double least = Constants::least_decrease * static_cast<double>(more) * before.cost;
+  return won > needed && (data.noise_known || won > least);
+}
+
+bool is_enough(const FitData& data, const IdentificationOptions& options, const ModalFit& fit) {
+  if (!data.noise_known) return false;
+  return fit.excess() < Constants::enough_excess ||
+         (options.far_modes && noise_level(fit, data) < Constants::good_level);
+}
+
+void drop_idle_modes(const FitData& data, const FitOptions& options, Identified& result) {
+  drop_modes(data, options, Idle::worthless, result);
+}
+
+void add_missing_modes(const FitData& data, const IdentificationOptions& options,
+                       Identified& result) {
+  const auto channels = data.outputs + data.inputs;
+  const auto of_mode = options.fit.damping == Damping::general ? 2 * channels : channels + 1;
+  const auto room = data.measured_count() / (2 * of_mode);
+  const auto most = options.modes > 0 ? options.modes : std::min(options.most_modes, room);
+  while (result.fit.flexible_count() < most) {
+    if (options.fit.keep_best && interrupted()) break;
+    const bool wanted = options.modes > result.fit.flexible_count();
+    if (!wanted && is_enough(data, options, result.fit)) break;
+    const auto candidate = missing_mode(data, result.fit);
+    if (!wanted && is_satellite(data, result.fit, candidate.pole)) break;
+    const auto start = one_more(result.fit, candidate);
+    auto fit = wanted ? modal_fit(data, start, options.fit) : fit_if_any(data, start, options.fit);
+    if (!fit) break;
+    const bool taken = wanted || (pays(data, result.fit, *fit) &&
+                                  (options.far_modes || !has_mode_without_resonance(data, *fit)));
+    result.steps.push_back({fit->flexible_count(), fit->cost, fit->excess(), taken});
+    if (!taken) break;
+    result.fit = *std::move(fit);
+  }
+}
+
+void drop_doubled_modes(const FitData& data, const FitOptions& options, Identified& result) {
+  for (Eigen::Index m = 0; result.fit.complex && (m = doubled_pole(result.fit)) >= 0;) {
+    Start less = start_of(result.fit);
+    const auto after = less.pole.size() - m - 1;
+    less.pole.segment(m, after) = less.pole.tail(after).eval();
+    less.pole.conservativeResize(less.pole.size() - 1);
+    less.general.erase(less.general.begin() + m);
+    auto fit = modal_fit(data, less, options);
+    const bool taken = !pays(data, fit, result.fit);
+    result.steps.push_back({fit.flexible_count(), fit.cost, fit.excess(), taken});
+    if (!taken) return;
+    result.fit = std::move(fit);
+  }
+}
+
+void look_above_lines(const FitData& data, const Start& start, const IdentificationOptions& options,
+                      Identified& result) {
+  const auto usual = [&](Start of) {
+    of.pole = without_unusual(data, of.pole, of.rigid_count > 0);
+    return of;
+  };
+  auto few = options.fit;
+  few.iterations = std::min(few.iterations, Constants::first_iterations);
+  bool any = false;
+  if (!is_enough(data, options, result.fit)) {
+    any = try_above(data, start, few, options, result);
+    const auto less = usual(start);
+    if (less.pole.size() < start.pole.size()) {
+      any = try_above(data, less, few, options, result) || any;
+    }
+    if (any) add_missing_modes(data, options, result);
+  }
+  for (int round = 0; round < Constants::rounds_above; ++round) {
+    if (options.fit.keep_best && interrupted()) return;
+    const auto fitted = start_at(result.fit.model);
+    const auto less = usual(fitted);
+    if (less.pole.size() == fitted.pole.size() ||
+        !try_above(data, less, options.fit, options, result)) {
+      break;
+    }
+    any = true;
+    add_missing_modes(data, options, result);
+  }
+  if (any) drop_modes(data, options.fit, Idle::weakest, result);
+}
+
+}  // namespace chladni::identification
