@@ -156,8 +156,8 @@ bool is_known(const Eigen::MatrixXd& covariance, Eigen::Index i) {
   return std::isfinite(covariance(i, i)) && covariance.row(i).allFinite();
 }
 
-// A draw from a covariance; entries without one deviate by their size, which is all that is known of
-// them. Negative eigenvalues are rounding.
+// A draw from a covariance; entries without one deviate by their size, which is all that is known
+// of them. Negative eigenvalues are rounding.
 Eigen::VectorXd drawn(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& size, Draw& draw) {
   Eigen::VectorXd normal(covariance.rows());
   for (double& value : normal) value = draw.normal();
@@ -190,10 +190,22 @@ Eigen::VectorXd sizes_of(const modal::ReducedModel& model, Eigen::Index m) {
   return size;
 }
 
+// Modes that are not drawn. Modes beyond the lines are known together, by what they add within the
+// lines, and none by itself: drawn one by one they would be anywhere.
+bool stays(const IdentifiedModel& model, Eigen::Index m) {
+  const auto& beyond = model.judgement.beyond_lines;
+  return std::find(beyond.begin(), beyond.end(), m) != beyond.end();
+}
+
 // Numbers of the fit and of the shapes at the points of which no deviation is known.
-Eigen::Index unknown_numbers(const identification::ModalFit& fit, const Eigen::MatrixXd& points) {
-  auto count = points.size() - points.array().isFinite().count();
+Eigen::Index unknown_numbers(const IdentifiedModel& model, const Eigen::MatrixXd& points) {
+  const auto& fit = model.found.fit;
+  Eigen::Index count = 0;
+  for (Eigen::Index m = 0; m < points.cols(); ++m) {
+    if (!stays(model, m)) count += points.rows() - points.col(m).array().isFinite().count();
+  }
   for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
+    if (stays(model, m)) continue;
     const auto& covariance = fit.mode_covariance[static_cast<std::size_t>(m)];
     for (Eigen::Index i = 0; i < covariance.rows(); ++i) count += is_known(covariance, i) ? 0 : 1;
   }
@@ -201,9 +213,11 @@ Eigen::Index unknown_numbers(const identification::ModalFit& fit, const Eigen::M
 }
 
 // Poles and shapes of the flexible modes as the fit leaves them open; the damping stays positive.
-identification::ModalFit drawn_fit(identification::ModalFit fit, Draw& draw) {
+identification::ModalFit drawn_fit(const IdentifiedModel& identified, Draw& draw) {
+  auto fit = identified.found.fit;
   auto& model = fit.model;
   for (auto m = model.rigid_count; m < model.mode_count(); ++m) {
+    if (stays(identified, m)) continue;
     const auto change =
         drawn(fit.mode_covariance[static_cast<std::size_t>(m)], sizes_of(model, m), draw);
     const auto p = model.output_count();
@@ -223,9 +237,10 @@ identification::ModalFit drawn_fit(identification::ModalFit fit, Draw& draw) {
 identification::ObservedPlaces drawn_places(identification::ObservedPlaces places,
                                             const Observer& observer, Draw& draw) {
   const auto& deviation = observer.places.at_points.deviation;
-  const auto& sensors = identified_of(*observer.shapes).match.shapes;
+  const auto& model = identified_of(*observer.shapes);
   for (Eigen::Index m = 0; m < deviation.cols(); ++m) {
-    const double size = rms_of(sensors.col(m));
+    if (stays(model, m)) continue;
+    const double size = rms_of(model.match.shapes.col(m));
     for (Eigen::Index i = 0; i < deviation.rows(); ++i) {
       const bool known = std::isfinite(deviation(i, m));
       places.at_points.shapes(i, m) += (known ? deviation(i, m) : size) * draw.normal();
@@ -307,7 +322,8 @@ LoopTrial loop_trial(const study::Study& study, const Observer& observer, stage:
     trial.notes.emplace_back("no models are drawn: those of complex shapes are not implemented");
     return trial;
   }
-  if (const auto unknown = unknown_numbers(fit, observer.places.at_points.deviation); unknown > 0) {
+  if (const auto unknown = unknown_numbers(model, observer.places.at_points.deviation);
+      unknown > 0) {
     trial.notes.push_back(
         fmt::format("drawn models: {} numbers of poles and shapes have no known deviation; each is "
                     "drawn with its own size as deviation",
@@ -319,7 +335,7 @@ LoopTrial loop_trial(const study::Study& study, const Observer& observer, stage:
   const auto places = with_axes(observer.places, trial.axes, false);
   for (int k = 0; k < kLoopDraws; ++k) {
     tell(work.progress(), "drawn models", static_cast<double>(k) / kLoopDraws);
-    const auto other = drawn_fit(fit, draw);
+    const auto other = drawn_fit(model, draw);
     const auto plant =
         disturbed(observer, plant_with_axes(observer, other, drawn_places(places, observer, draw)));
     on_sensors.add(plant, models.sensors, lines);
