@@ -5,6 +5,7 @@
 #include "fem/assemble.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
+#include "peak_memory.h"
 
 namespace chladni::fem {
 namespace {
@@ -104,6 +105,25 @@ TEST(Estimate, FallsWithTheMesh) {
     EXPECT_LT(now, before);
     before = now;
   }
+}
+
+// Shapes of any kind take the memory of modes.
+TEST(FrequencyError, TakesTheMemoryThatItForecasts) {
+  const auto body = mesh::with_order(mesh::layered(mesh::Plate{0.6, 0.6, 0.02}, 0.0075, 3), 2);
+  const std::vector<Material> materials{isotropic(70e9, 0.33, 2700.0)};
+  const auto system = assemble(body, materials);
+  modal::Modes any;
+  any.frequency_hz = Eigen::VectorXd::LinSpaced(8, 100.0, 800.0);
+  any.shapes = Eigen::MatrixXd::Random(system.stiffness.rows(), 8);
+  const auto peak = peak_of([&] {
+    const auto estimate = frequency_error(body, materials, system, any);
+    return estimate.allFinite() ? frequency_error_bytes(static_cast<double>(body.tet_count()))
+                                : 0.0;
+  });
+  ASSERT_GT(peak.forecast, 1e7);
+  EXPECT_LT(peak.used, 1.1 * peak.forecast + 8e6);  // libraries and small vectors
+  EXPECT_GT(peak.used, 0.6 * peak.forecast);
+  RecordProperty("used_over_forecast", std::to_string(peak.used / peak.forecast));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "fem/assemble.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
+#include "peak_memory.h"
 
 namespace chladni::fem {
 namespace {
@@ -90,6 +91,23 @@ TEST(FieldMatrices, RefuseAFieldOfAnotherMesh) {
                InvalidInput);
   EXPECT_THROW((void)field_matrices(body, kPlateMaterials, shapes.topRows(6), good, good),
                InvalidInput);
+}
+
+TEST(FieldMatrices, TakeTheMemoryThatTheyForecast) {
+  const auto body = mesh::with_order(mesh::layered(mesh::Plate{0.3, 0.2, 0.02}, 0.02, 1), 2);
+  const Eigen::Index m = 40;
+  const Eigen::Index fields = 60;
+  const Eigen::MatrixXd shapes = Eigen::MatrixXd::Random(3 * body.points.rows(), m);
+  const Eigen::MatrixXd values = Eigen::MatrixXd::Random(body.tet_count(), fields);
+  const auto peak = peak_of([&] {
+    const auto found = field_matrices(body, kPlateMaterials, shapes, values, values);
+    const bool sound = found.mass.size() == static_cast<std::size_t>(fields);
+    return sound ? 34.0 * 2.0 * static_cast<double>(fields * m * m) * sizeof(double) : 0.0;
+  });
+  ASSERT_GT(peak.forecast, 1e7);
+  EXPECT_LT(peak.used, 1.1 * peak.forecast + 8e6);  // libraries and small vectors
+  EXPECT_GT(peak.used, 0.6 * peak.forecast);
+  RecordProperty("used_over_forecast", std::to_string(peak.used / peak.forecast));
 }
 
 }  // namespace

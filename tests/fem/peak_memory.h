@@ -1,6 +1,7 @@
 // The peak of a process of its own, from what it held before, against what was forecast.
 #pragma once
 
+#include <malloc.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -28,6 +29,7 @@ template <typename Work>
 Peak peak_of(Work work) {
   std::array<int, 2> pipe_ends{};
   if (pipe(pipe_ends.data()) != 0) return {};
+  malloc_trim(0);  // what was freed before would serve the work unseen
   const pid_t child = fork();
   if (child == 0) {
     std::ofstream("/proc/self/clear_refs") << "5";  // the peak counts from here
