@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <memory>
 
 #include "app/command.h"
 #include "base/atomic_file.h"
@@ -232,6 +234,43 @@ TEST_F(Observe, TriesTheLoopOnTheEstimateBesideTheOneOnTheSensors) {
     EXPECT_LE(one->stable_draws, trial.draws);
     EXPECT_EQ(one->median_rms.empty(), one->stable_draws == 0);
   }
+}
+
+// What is not known of a mode was drawn as known. Modes beyond the lines are known together alone.
+TEST_F(Observe, DrawsWhatIsNotKnownOfAModeWithinTheLines) {
+  EVERY_FOURTH_LANDING();
+  prepare();
+  const auto study = study_with(kObserver +
+                                "[observer.loop]\nactuators = [\"a1\", \"a2\", \"a3\", "
+                                "\"a4\"]\nbandwidth = \"85 Hz\"\n");
+  auto observer = designed(study, &recorded_);
+  const auto shapes =
+      std::make_shared<steps::Interpolated>(steps::interpolated(study_, *solution_, *work_));
+  observer.shapes = shapes;
+  const auto trial_of = [&](bool unknown, bool beyond) {
+    auto model = *shapes_->measured.identified;
+    const auto mode = model.found.fit.model.rigid_count + 4;
+    auto& covariance = model.found.fit.mode_covariance[static_cast<std::size_t>(mode)];
+    if (unknown) covariance.setConstant(std::numeric_limits<double>::infinity());
+    if (beyond) model.judgement.beyond_lines = {mode};
+    shapes->measured.identified = std::make_shared<const steps::IdentifiedModel>(std::move(model));
+    return steps::loop_trial(study, observer, *work_);
+  };
+  const auto notes = [](const steps::LoopTrial& trial) {
+    std::string all;
+    for (const auto& note : trial.notes) all += note + "\n";
+    return all;
+  };
+  const auto unknown = trial_of(true, false);
+  EXPECT_NE(notes(unknown).find("have no known deviation"), std::string::npos) << notes(unknown);
+  EXPECT_EQ(unknown.draws, steps::kLoopDraws);
+  const auto known = trial_of(false, false);
+  ASSERT_EQ(known.on_estimate.stable_draws, steps::kLoopDraws);
+  EXPECT_LT(unknown.on_estimate.worst_margin, known.on_estimate.worst_margin);
+  EXPECT_LE(unknown.on_estimate.stable_draws, known.on_estimate.stable_draws);
+  const auto beyond = trial_of(true, true);
+  EXPECT_EQ(notes(beyond), notes(known));
+  EXPECT_EQ(beyond.on_estimate.stable_draws, steps::kLoopDraws);
 }
 
 TEST_F(Observe, RefusesWhatCannotBeMeant) {
