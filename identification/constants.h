@@ -43,6 +43,9 @@ struct Constants {
   /// Frequency of the first of them over that of the highest line, and of each over the one before
   /// [1] (chosen).
   static constexpr double next_above = 1.5;
+  /// Cost of such a trial after first_iterations over that of the fit, above which it is given up
+  /// [1] (chosen).
+  static constexpr double hopeless = 10.0;
   /// Part of the cost that modes above the lines leave, below which a drift is looked for again
   /// beside them [1] (chosen).
   static constexpr double above_explains = 0.5;

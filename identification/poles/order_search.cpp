@@ -91,7 +91,11 @@ bool try_above(const FitData& data, const Start& start, const FitOptions& how,
                const IdentificationOptions& options, Identified& result) {
   const auto more = with_modes_above(data, start, how.damping);
   if (start.pole.size() == 0 || more.pole.size() == start.pole.size()) return false;
-  auto fit = fit_if_any(data, more, how);
+  auto few = how;
+  few.iterations = std::min(how.iterations, Constants::first_iterations);
+  auto fit = fit_if_any(data, more, few);
+  if (!fit || fit->cost > Constants::hopeless * result.fit.cost) return false;
+  if (!fit->converged && few.iterations < how.iterations) fit = fit_if_any(data, more, how);
   if (!fit) return false;
   if (!options.far_modes) drop_modes_without_resonance(data, how, *fit);
   Identified above{.fit = *std::move(fit), .steps = {}, .start_order = 0, .drift = {}};
