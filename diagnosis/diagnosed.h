@@ -85,8 +85,8 @@ struct DiagnosisOptions {
   /// Lines of the search, at most; the last fit takes twice as many.
   int lines = kConstants.lines_of_search;
   int most_causes = kConstants.most_causes;
-  /// Asks responses only whether one cause explains much. A few quick fits on the lines of the search, no
-  /// last fits, no test on held-out data. No verdict of it is final.
+  /// Asks responses only whether one cause explains much. A few quick fits on the lines of the
+  /// search, no last fits, no test on held-out data. No verdict of it is final.
   bool is_look = false;
   /// ln of the Bayes factor that a cause needs.
   double least_evidence = kConstants.least_evidence;

@@ -7,8 +7,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/interrupt.h"
-#include "base/turn.h"
 #include "identification/constants.h"
 #include "identification/delay_scan.h"
 #include "identification/likelihood/compression.h"
@@ -38,9 +36,8 @@ ModalFit first_fit(const FitData& data, const Start& start, const std::vector<Ei
 // Delays of a fit with real modes: complex modes cannot give them, their phases look like delays.
 Eigen::VectorXd delays_of_real_modes(const FitData& data, const Start& start,
                                      const FitOptions& options) {
-  FitOptions real = options;
+  auto real = first_fit_options(options);
   real.damping = Damping::modal;
-  real.iterations = std::min(real.iterations, Constants::first_iterations);
   return response_delays(modal_fit(data, start, real));
 }
 
@@ -66,8 +63,7 @@ Identified from_start(const FitData& data, const Start& start,
     const ResidueProblem kept(data, start.pole, start.rigid_count > 0, options.fit.damping);
     twice = repeated(data, start.pole, kept.residues());
   }
-  FitOptions few = options.fit;
-  if (data.noise_known) few.iterations = std::min(few.iterations, Constants::first_iterations);
+  const auto few = data.noise_known ? first_fit_options(options.fit) : options.fit;
   result.fit = first_fit(data, start, twice, few);
   if (options.modes == 0 && !options.far_modes) {
     drop_modes_without_resonance(data, few, result.fit);
@@ -102,8 +98,8 @@ Start chosen_start(const FitData& data, const IdentificationOptions& options, Ei
 
 // Whether a drift still matters where modes above the lines are fitted: what they add looks like
 // one.
-bool matters_beside_modes_above(const FitData& data, const Start& start, FitOptions options) {
-  options.iterations = std::min(options.iterations, Constants::first_iterations);
+bool matters_beside_modes_above(const FitData& data, const Start& start, const FitOptions& all) {
+  const auto options = first_fit_options(all);
   const auto above = with_modes_above(data, start, options.damping);
   const bool explains = modal_fit(data, above, options).cost <
                         Constants::above_explains * modal_fit(data, start, options).cost;
@@ -123,9 +119,7 @@ std::optional<Drift> drift_that_matters(FitData& data, const Start& found,
   if (!moved.matters()) return std::nullopt;
   if (!matters_beside_modes_above(data, start, options.fit)) return std::nullopt;
   if (start.pole.size() < found.pole.size()) {  // perhaps the left-out poles are modes
-    FitOptions few = options.fit;
-    few.iterations = std::min(few.iterations, Constants::first_iterations);
-    if (modal_fit(data, found, few).cost < fit.cost) return std::nullopt;
+    if (modal_fit(data, found, first_fit_options(options.fit)).cost < fit.cost) return std::nullopt;
   }
   data = without_drift(data, fit, moved.shift);
   return moved;

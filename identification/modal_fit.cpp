@@ -40,7 +40,7 @@ void check(const FitData& data, const Start& start, const FitOptions& options) {
           "modal fit: " + fmt::to_string(start.rigid_count) +
               " rigid-body modes, expected 12 or fewer");
   const auto channels = data.outputs + data.inputs;
-  const auto of_mode = options.damping == Damping::general ? 2 * channels : channels + 1;
+  const auto of_mode = parameters_of_mode(data, options.damping);
   const auto parameters =
       start.pole.size() * of_mode + start.rigid_count * (channels - start.rigid_count) +
       (options.residual ? (data.weight.colwise().sum().array() > 0.0).count() : 0) +
@@ -285,6 +285,16 @@ Descent with_single_modes(const Descent& in_blocks, const Target& target, const 
 }
 
 }  // namespace
+
+FitOptions first_fit_options(FitOptions options) {
+  options.iterations = std::min(options.iterations, Constants::first_iterations);
+  return options;
+}
+
+Eigen::Index parameters_of_mode(const FitData& data, Damping damping) {
+  const auto channels = data.outputs + data.inputs;
+  return damping == Damping::general ? 2 * channels : channels + 1;
+}
 
 double noise_level(const ModalFit& fit, const FitData& data) {
   return noise_level(data, fit.cost, fit.parameter_count);

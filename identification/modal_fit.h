@@ -92,6 +92,13 @@ struct FitOptions {
   Progress progress = {};
 };
 
+/// The same options for a fit whose poles are still to be chosen: Constants::first_iterations at
+/// most.
+[[nodiscard]] FitOptions first_fit_options(FitOptions options);
+
+/// Real parameters of one flexible mode.
+[[nodiscard]] Eigen::Index parameters_of_mode(const FitData& data, Damping damping);
+
 /// Maximum likelihood from `start` by Levenberg and Marquardt
 /// (docs/reference/identification.md). Modes closer than their half-power bandwidth are first
 /// fitted as blocks, then separated where the data allow it. With general damping each mode has

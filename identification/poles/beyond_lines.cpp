@@ -53,9 +53,8 @@ void drop_modes_without_resonance(const FitData& data, const FitOptions& options
 }
 
 Start with_modes_above(const FitData& data, Start start, Damping damping) {
-  const auto channels = data.outputs + data.inputs;
-  const auto of_mode = damping == Damping::general ? 2 * channels : channels + 1;
-  const auto room = data.measured_count() / (2 * of_mode) - start.pole.size();
+  const auto room =
+      data.measured_count() / (2 * parameters_of_mode(data, damping)) - start.pole.size();
   const auto added = std::clamp<Eigen::Index>(room, 0, Constants::modes_above);
   const auto known = start.pole.size();
   start.pole.conservativeResize(known + added);

@@ -91,8 +91,7 @@ DriftFit drift_fit(const FitData& data, const Start& start, const FitOptions& op
   const auto n = data.response_count();
   Drift result{Eigen::VectorXd::Zero(n),
                Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity()), 0.0, 0.0};
-  FitOptions few = options;
-  few.iterations = std::min(few.iterations, Constants::first_iterations);
+  const auto few = first_fit_options(options);
   auto fit = modal_fit(data, start, few);
   FitData freed = data;
   for (int round = 0; round < Constants::drift_rounds; ++round) {

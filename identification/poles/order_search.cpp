@@ -22,6 +22,15 @@ enum class Idle {
   weakest,    // the weakest ones, as long as the others can take their place
 };
 
+Start without_pole(Start start, Eigen::Index m) {
+  const auto after = start.pole.size() - m - 1;
+  start.pole.segment(m, after) = start.pole.tail(after).eval();
+  start.pole.conservativeResize(start.pole.size() - 1);
+  if (!start.general.empty()) start.general.erase(start.general.begin() + m);
+  return start;
+}
+
+// Leaves out modes, one by one, as long as none of them pays.
 void drop_modes(const FitData& data, const FitOptions& options, Idle idle, Identified& result) {
   while (result.fit.flexible_count() > 1) {
     const auto start = start_at(result.fit.model);
@@ -31,11 +40,7 @@ void drop_modes(const FitData& data, const FitOptions& options, Idle idle, Ident
     const double worth = residues.significance.minCoeff(&weakest);
     const bool has_worth = worth >= least_significance(data, residues.cost);
     if (has_worth && idle == Idle::worthless) return;
-    Start less = start;
-    const auto after = start.pole.size() - weakest - 1;
-    less.pole.segment(weakest, after) = start.pole.tail(after).eval();
-    less.pole.conservativeResize(start.pole.size() - 1);
-    auto fit = modal_fit(data, less, options);
+    auto fit = modal_fit(data, without_pole(start, weakest), options);
     const bool taken = !pays(data, fit, result.fit);
     result.steps.push_back({fit.flexible_count(), fit.cost, fit.excess(), taken});
     if (!taken) return;
@@ -91,8 +96,7 @@ bool try_above(const FitData& data, const Start& start, const FitOptions& how,
                const IdentificationOptions& options, Identified& result) {
   const auto more = with_modes_above(data, start, how.damping);
   if (start.pole.size() == 0 || more.pole.size() == start.pole.size()) return false;
-  auto few = how;
-  few.iterations = std::min(how.iterations, Constants::first_iterations);
+  const auto few = first_fit_options(how);
   auto fit = fit_if_any(data, more, few);
   if (!fit || fit->cost > Constants::hopeless * result.fit.cost) return false;
   if (!fit->converged && few.iterations < how.iterations) fit = fit_if_any(data, more, how);
@@ -131,9 +135,7 @@ void drop_idle_modes(const FitData& data, const FitOptions& options, Identified&
 
 void add_missing_modes(const FitData& data, const IdentificationOptions& options,
                        Identified& result) {
-  const auto channels = data.outputs + data.inputs;
-  const auto of_mode = options.fit.damping == Damping::general ? 2 * channels : channels + 1;
-  const auto room = data.measured_count() / (2 * of_mode);
+  const auto room = data.measured_count() / (2 * parameters_of_mode(data, options.fit.damping));
   const auto most = options.modes > 0 ? options.modes : std::min(options.most_modes, room);
   while (result.fit.flexible_count() < most) {
     if (options.fit.keep_best && interrupted()) break;
@@ -154,12 +156,7 @@ void add_missing_modes(const FitData& data, const IdentificationOptions& options
 
 void drop_doubled_modes(const FitData& data, const FitOptions& options, Identified& result) {
   for (Eigen::Index m = 0; result.fit.complex && (m = doubled_pole(result.fit)) >= 0;) {
-    Start less = start_of(result.fit);
-    const auto after = less.pole.size() - m - 1;
-    less.pole.segment(m, after) = less.pole.tail(after).eval();
-    less.pole.conservativeResize(less.pole.size() - 1);
-    less.general.erase(less.general.begin() + m);
-    auto fit = modal_fit(data, less, options);
+    auto fit = modal_fit(data, without_pole(start_of(result.fit), m), options);
     const bool taken = !pays(data, fit, result.fit);
     result.steps.push_back({fit.flexible_count(), fit.cost, fit.excess(), taken});
     if (!taken) return;
@@ -173,8 +170,7 @@ void look_above_lines(const FitData& data, const Start& start, const Identificat
     of.pole = without_unusual(data, of.pole, of.rigid_count > 0);
     return of;
   };
-  auto few = options.fit;
-  few.iterations = std::min(few.iterations, Constants::first_iterations);
+  const auto few = first_fit_options(options.fit);
   bool any = false;
   if (!is_enough(data, options, result.fit)) {
     any = try_above(data, start, few, options, result);

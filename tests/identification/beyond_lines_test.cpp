@@ -7,7 +7,6 @@
 #include <random>
 #include <string>
 
-#include "identification/constants.h"
 #include "identification/identified.h"
 #include "identification/poles/beyond_lines.h"
 #include "identification/trust.h"
@@ -57,7 +56,7 @@ modal::FrfSet record(const modal::ReducedModel& truth, double noise, unsigned se
   return simulators::frf_case(truth, grid, faults).measured;
 }
 
-// Of the modes within the lines: the largest error of a frequency, and how many are found.
+// The largest error of a frequency within the lines, and how many modes are found there.
 struct Within {
   double error = 0.0;
   Index count = 0;

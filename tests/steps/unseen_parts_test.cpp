@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/interrupt.h"
 #include "simulators/frf_cases.h"
 #include "steps/identification/unseen.h"
 
@@ -75,7 +74,9 @@ TEST(UnseenParts, LoseNoFitWhereOneCannotBeFitted) {
         << work.notes[0];
   }
   Listener work;
-  const Refit stopped = [](const auto&) -> identification::ModalFit { throw Interrupted("stopped"); };
+  const Refit stopped = [](const auto&) -> identification::ModalFit {
+    throw Interrupted("stopped");
+  };
   EXPECT_THROW((void)cross_validated(study, model, stopped, work), Interrupted);
 }
 
