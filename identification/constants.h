@@ -40,8 +40,8 @@ struct Constants {
   static constexpr double no_peak = 0.70710678;
   /// Modes above the lines with which a fit is tried that leaves more than noise [modes] (chosen).
   static constexpr Eigen::Index modes_above = 2;
-  /// Frequency of the first of them over that of the highest line, and of each over the one before
-  /// [1] (chosen).
+  /// Frequency of the first of them over that of the highest line, and of each over the one before;
+  /// also the ratio of the places that are tried for one more [1] (chosen).
   static constexpr double next_above = 1.5;
   /// Cost of such a trial after first_iterations over that of the fit, above which it is given up
   /// [1] (chosen).

@@ -125,28 +125,41 @@ std::optional<Drift> drift_that_matters(FitData& data, const Start& found,
   return moved;
 }
 
+// Finds the modes from a start. Delays are fitted with real modes where the modes are complex.
+Identified from_start_delayed(const FitData& data, const Start& start,
+                              const IdentificationOptions& options) {
+  if (!options.fit.delay || options.fit.damping != Damping::general) {
+    return from_start(data, start, options);
+  }
+  const auto held = delays_of_real_modes(data, start, options.fit);
+  const auto turned = undelayed(data, held);
+  auto without = options;
+  without.fit.delay = false;
+  auto result = from_start(turned, start, without);
+  free_delay(turned, options.fit, result.fit);
+  put_back(held, options.fit.delay_of, result.fit);
+  return result;
+}
+
 Identified from_all_responses(const FitData& measured, const IdentificationOptions& options) {
   // The delays are taken out of the data before the poles are found again.
   const auto delay = delays_at_start(measured, options);
-  auto data = options.fit.delay ? undelayed(measured, delay) : measured;
+  const auto data = options.fit.delay ? undelayed(measured, delay) : measured;
   Eigen::Index order = 0;
-  auto start = chosen_start(data, options, order);
-  const auto moved = drift_that_matters(data, start, options);
-  if (moved) start = chosen_start(data, options, order);
-  Identified result;
-  if (options.fit.delay && options.fit.damping == Damping::general) {
-    const auto held = delays_of_real_modes(data, start, options.fit);
-    const auto turned = undelayed(data, held);
-    auto without = options;
-    without.fit.delay = false;
-    result = from_start(turned, start, without);
-    free_delay(turned, options.fit, result.fit);
-    put_back(held, options.fit.delay_of, result.fit);
-  } else {
-    result = from_start(data, start, options);
-  }
+  const auto start = chosen_start(data, options, order);
+  auto moved = data;
+  const auto drift = drift_that_matters(moved, start, options);
+  auto result = from_start_delayed(data, start, options);
   result.start_order = order;
-  result.drift = moved;
+  if (drift) {
+    const auto again = chosen_start(moved, options, order);
+    auto other = from_start_delayed(moved, again, options);
+    if (is_better(data, other.fit, result.fit)) {
+      result = std::move(other);
+      result.start_order = order;
+      result.drift = drift;
+    }
+  }
   if (options.fit.delay) put_back(delay, options.fit.delay_of, result.fit);
   return result;
 }

@@ -1,11 +1,15 @@
 #include "identification/poles/beyond_lines.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "base/turn.h"
 #include "identification/constants.h"
+#include "identification/poles/residue_problem.h"
 
 namespace chladni::identification {
 namespace {
@@ -50,6 +54,31 @@ void drop_modes_without_resonance(const FitData& data, const FitOptions& options
     start.pole = start.pole(kept).eval();
     fit = modal_fit(data, start, options);
   }
+}
+
+Start with_mode_above(const FitData& data, Start start, Damping damping) {
+  const auto known = start.pole.size();
+  const double last = kTwoPi * data.frequency_hz(data.line_count() - 1);
+  Eigen::VectorXcd pole = start.pole;
+  for (double own = Constants::above_band * last; own < Constants::far_beyond * last;
+       own *= Constants::next_above) {
+    pole.conservativeResize(pole.size() + 1);
+    pole(pole.size() - 1) = own * std::complex<double>(-Constants::even_damping, 1.0);
+  }
+  const ResidueProblem problem(data, pole, start.rigid_count > 0, damping);
+  std::vector<Eigen::Index> chosen(static_cast<std::size_t>(known) + 1);
+  std::iota(chosen.begin(), chosen.end(), 0);
+  Eigen::Index best = known;
+  double least = std::numeric_limits<double>::infinity();
+  for (Eigen::Index m = known; m < pole.size(); ++m) {
+    chosen.back() = m;
+    const double cost = problem.residues(chosen).cost;
+    if (cost < least) best = m;
+    least = std::min(cost, least);
+  }
+  start.pole.conservativeResize(known + 1);
+  start.pole(known) = pole(best);
+  return start;
 }
 
 Start with_modes_above(const FitData& data, Start start, Damping damping) {

@@ -23,6 +23,10 @@ namespace chladni::identification {
 /// and nothing determines their residues. A fit of such modes alone stays.
 void drop_modes_without_resonance(const FitData& data, const FitOptions& options, ModalFit& fit);
 
+/// The start and one pole above the lines, where it explains most beside the others. Cost: six
+/// linear problems of residues.
+[[nodiscard]] Start with_mode_above(const FitData& data, Start start, Damping damping);
+
 /// The start and Constants::modes_above poles above the lines, as many as the data have numbers
 /// for.
 [[nodiscard]] Start with_modes_above(const FitData& data, Start start, Damping damping);

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
+#include "base/turn.h"
 #include "identification/constants.h"
 #include "identification/poles/beyond_lines.h"
 #include "identification/poles/missing_mode.h"
@@ -31,7 +32,8 @@ Start without_pole(Start start, Eigen::Index m) {
 }
 
 // Leaves out modes, one by one, as long as none of them pays.
-void drop_modes(const FitData& data, const FitOptions& options, Idle idle, Identified& result) {
+bool drop_modes(const FitData& data, const FitOptions& options, Idle idle, Identified& result) {
+  bool any = false;
   while (result.fit.flexible_count() > 1) {
     const auto start = start_at(result.fit.model);
     const auto residues =
@@ -39,13 +41,15 @@ void drop_modes(const FitData& data, const FitOptions& options, Idle idle, Ident
     Eigen::Index weakest = 0;
     const double worth = residues.significance.minCoeff(&weakest);
     const bool has_worth = worth >= least_significance(data, residues.cost);
-    if (has_worth && idle == Idle::worthless) return;
+    if (has_worth && idle == Idle::worthless) break;
     auto fit = modal_fit(data, without_pole(start, weakest), options);
     const bool taken = !pays(data, fit, result.fit);
     result.steps.push_back({fit.flexible_count(), fit.cost, fit.excess(), taken});
-    if (!taken) return;
+    if (!taken) break;
     result.fit = std::move(fit);
+    any = true;
   }
+  return any;
 }
 
 // A start with one more mode. Complex modes stay as they are: fitted anew beside it, their residues
@@ -75,12 +79,6 @@ Eigen::Index doubled_pole(const ModalFit& fit) {
   return -1;
 }
 
-// Whether a fit explains more than another, for its parameters.
-bool is_better(const FitData& data, const ModalFit& one, const ModalFit& other) {
-  return one.parameter_count > other.parameter_count ? pays(data, other, one)
-                                                     : !pays(data, one, other);
-}
-
 // A fit from another start, if there is one.
 std::optional<ModalFit> fit_if_any(const FitData& data, const Start& start, const FitOptions& how) {
   try {
@@ -91,15 +89,87 @@ std::optional<ModalFit> fit_if_any(const FitData& data, const Start& start, cons
   return std::nullopt;
 }
 
+// A fit from another start, carried on only if the first iterations come near the cost of another.
+std::optional<ModalFit> fit_if_near(const FitData& data, const Start& start, const FitOptions& how,
+                                    double cost) {
+  const auto few = first_fit_options(how);
+  auto fit = fit_if_any(data, start, few);
+  if (!fit || fit->cost > Constants::hopeless * cost) return std::nullopt;
+  if (fit->converged || few.iterations >= how.iterations) return fit;
+  return fit_if_any(data, start, how);
+}
+
+// The modes that may stand for some above the lines: those within of unusual damping, the weakest
+// first, then the weakest of the others.
+std::vector<Eigen::Index> doubtful_within(const FitData& data, const Start& start,
+                                          Damping damping) {
+  const bool rigid = start.rigid_count > 0;
+  const auto worth = ResidueProblem(data, start.pole, rigid, damping).residues().significance;
+  const auto usual = without_unusual(data, start.pole, rigid);
+  std::vector<Eigen::Index> unusual;
+  Eigen::Index weakest = -1;
+  for (Eigen::Index m = 0; m < start.pole.size(); ++m) {
+    if (std::abs(start.pole(m)) > kTwoPi * data.frequency_hz(data.line_count() - 1)) continue;
+    if (std::find(usual.begin(), usual.end(), start.pole(m)) == usual.end()) {
+      unusual.push_back(m);
+    } else if (weakest < 0 || worth(m) < worth(weakest)) {
+      weakest = m;
+    }
+  }
+  std::sort(unusual.begin(), unusual.end(), [&](auto a, auto b) { return worth(a) < worth(b); });
+  if (weakest >= 0) unusual.push_back(weakest);
+  return unusual;
+}
+
+// Whether a fit with a mode above the lines explains as much as one with a mode within, but for the
+// least that a mode is worth: modes above exist, one within has to show.
+bool explains_as_much(const FitData& data, const ModalFit& above, const ModalFit& within) {
+  const double lost = above.cost - within.cost;
+  const bool small = !data.noise_known && lost < Constants::least_decrease * above.cost;
+  return small || lost < least_significance(data, within.cost);
+}
+
+// Exchanges a mode within the lines for one above them if that explains as much.
+bool exchange_one(const FitData& data, const FitOptions& how, Identified& result) {
+  const auto fitted = start_at(result.fit.model);
+  for (const auto m : doubtful_within(data, fitted, how.damping)) {
+    if (how.keep_best && interrupted()) return false;
+    const auto start = with_mode_above(data, without_pole(fitted, m), how.damping);
+    auto fit = fit_if_near(data, start, how, result.fit.cost);
+    const bool taken = fit && explains_as_much(data, *fit, result.fit);
+    if (fit) result.steps.push_back({fit->flexible_count(), fit->cost, fit->excess(), taken});
+    if (!taken) continue;
+    result.fit = *std::move(fit);
+    return true;
+  }
+  return false;
+}
+
+// Exchanges modes within the lines for some above them, as long as those explain as much.
+bool exchange_for_modes_above(const FitData& data, const FitOptions& how, Identified& result) {
+  const auto most = result.fit.flexible_count();
+  Eigen::Index count = 0;
+  while (count < most && exchange_one(data, how, result)) ++count;
+  return count > 0;
+}
+
+// Whether a search has added a mode.
+bool has_added_modes(const Identified& result) {
+  Eigen::Index modes = result.steps.front().modes;
+  for (const auto& step : result.steps) {
+    if (!step.taken) continue;
+    if (step.modes > modes) return true;
+    modes = step.modes;
+  }
+  return false;
+}
+
 // Fits poles and modes above the lines, and takes that fit if it is the better one.
 bool try_above(const FitData& data, const Start& start, const FitOptions& how,
                const IdentificationOptions& options, Identified& result) {
   const auto more = with_modes_above(data, start, how.damping);
   if (start.pole.size() == 0 || more.pole.size() == start.pole.size()) return false;
-  const auto few = first_fit_options(how);
-  auto fit = fit_if_any(data, more, few);
-  if (!fit || fit->cost > Constants::hopeless * result.fit.cost) return false;
-  if (!fit->converged && few.iterations < how.iterations) fit = fit_if_any(data, more, how);
+  auto fit = fit_if_near(data, more, how, result.fit.cost);
   if (!fit) return false;
   if (!options.far_modes) drop_modes_without_resonance(data, how, *fit);
   Identified above{.fit = *std::move(fit), .steps = {}, .start_order = 0, .drift = {}};
@@ -123,6 +193,11 @@ bool pays(const FitData& data, const ModalFit& before, const ModalFit& after) {
   return won > needed && (data.noise_known || won > least);
 }
 
+bool is_better(const FitData& data, const ModalFit& one, const ModalFit& other) {
+  return one.parameter_count > other.parameter_count ? pays(data, other, one)
+                                                     : !pays(data, one, other);
+}
+
 bool is_enough(const FitData& data, const IdentificationOptions& options, const ModalFit& fit) {
   if (!data.noise_known) return false;
   return fit.excess() < Constants::enough_excess ||
@@ -133,8 +208,9 @@ void drop_idle_modes(const FitData& data, const FitOptions& options, Identified&
   drop_modes(data, options, Idle::worthless, result);
 }
 
-void add_missing_modes(const FitData& data, const IdentificationOptions& options,
-                       Identified& result) {
+namespace {
+void add_modes(const FitData& data, const IdentificationOptions& options, bool above,
+               Identified& result) {
   const auto room = data.measured_count() / (2 * parameters_of_mode(data, options.fit.damping));
   const auto most = options.modes > 0 ? options.modes : std::min(options.most_modes, room);
   while (result.fit.flexible_count() < most) {
@@ -145,6 +221,12 @@ void add_missing_modes(const FitData& data, const IdentificationOptions& options
     if (!wanted && is_satellite(data, result.fit, candidate.pole)) break;
     const auto start = one_more(result.fit, candidate);
     auto fit = wanted ? modal_fit(data, start, options.fit) : fit_if_any(data, start, options.fit);
+    if (above) {
+      auto other =
+          fit_if_near(data, with_mode_above(data, start_at(result.fit.model), options.fit.damping),
+                      options.fit, result.fit.cost);
+      if (other && (!fit || !pays(data, *other, *fit))) fit = std::move(other);
+    }
     if (!fit) break;
     const bool taken = wanted || (pays(data, result.fit, *fit) &&
                                   (options.far_modes || !has_mode_without_resonance(data, *fit)));
@@ -152,6 +234,12 @@ void add_missing_modes(const FitData& data, const IdentificationOptions& options
     if (!taken) break;
     result.fit = *std::move(fit);
   }
+}
+
+}  // namespace
+void add_missing_modes(const FitData& data, const IdentificationOptions& options,
+                       Identified& result) {
+  add_modes(data, options, false, result);
 }
 
 void drop_doubled_modes(const FitData& data, const FitOptions& options, Identified& result) {
@@ -178,7 +266,7 @@ void look_above_lines(const FitData& data, const Start& start, const Identificat
     if (less.pole.size() < start.pole.size()) {
       any = try_above(data, less, few, options, result) || any;
     }
-    if (any) add_missing_modes(data, options, result);
+    if (any) add_modes(data, options, true, result);
   }
   for (int round = 0; round < Constants::rounds_above; ++round) {
     if (options.fit.keep_best && interrupted()) return;
@@ -189,9 +277,16 @@ void look_above_lines(const FitData& data, const Start& start, const Identificat
       break;
     }
     any = true;
-    add_missing_modes(data, options, result);
+    add_modes(data, options, true, result);
   }
-  if (any) drop_modes(data, options.fit, Idle::weakest, result);
+  if (!any && !has_added_modes(result) && is_enough(data, options, result.fit)) return;
+  // Where much more than noise is left, the model is another one.
+  const bool near_noise = !data.noise_known || noise_level(result.fit, data) < Constants::bad_level;
+  for (int round = 0; near_noise && round < Constants::rounds_above; ++round) {
+    const bool exchanged = exchange_for_modes_above(data, options.fit, result);
+    const bool dropped = drop_modes(data, options.fit, Idle::weakest, result);
+    if (!exchanged && !dropped) return;
+  }
 }
 
 }  // namespace chladni::identification

@@ -10,6 +10,9 @@ namespace chladni::identification {
 /// Constants::least_decrease where the noise is not known.
 [[nodiscard]] bool pays(const FitData& data, const ModalFit& before, const ModalFit& after);
 
+/// Whether a fit explains more than another, for its parameters.
+[[nodiscard]] bool is_better(const FitData& data, const ModalFit& one, const ModalFit& other);
+
 /// Whether the data ask for no further mode. Modes far beyond the lines end where little more than
 /// noise is left: what remains is no mode of the structure.
 [[nodiscard]] bool is_enough(const FitData& data, const IdentificationOptions& options,
