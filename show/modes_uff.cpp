@@ -106,10 +106,12 @@ Eigen::MatrixXd motion_of(const Node& node, const Eigen::MatrixXd& shapes) {
       .solve(Eigen::MatrixXd(shapes(node.rows, Eigen::all)));
 }
 
-std::vector<bool> scales_of(const identification::GainMatch& match) {
+std::vector<bool> scales_of(const identification::GainMatch& match,
+                            const std::vector<Index>& modes) {
   std::vector<bool> has_scale;
-  for (const auto& mode : match.modes) {
-    has_scale.push_back(mode.by != identification::MatchedBy::nothing);
+  for (const Index mode : modes) {
+    has_scale.push_back(match.modes.at(static_cast<std::size_t>(mode)).by !=
+                        identification::MatchedBy::nothing);
   }
   return has_scale;
 }
@@ -122,12 +124,7 @@ std::vector<bool> scales_of(const study::Study& study, const steps::Interpolated
     const bool of_a_study = study.measurement && !study.measurement->truth.empty();
     return std::vector<bool>(count, of_a_study);
   }
-  const auto all = scales_of(measured.identified->match);
-  std::vector<bool> has_scale;
-  for (const Index mode : measured.fitted_mode) {
-    has_scale.push_back(all.at(static_cast<std::size_t>(mode)));
-  }
-  return has_scale;
+  return scales_of(measured.identified->match, measured.fitted_mode);
 }
 
 void leave(const std::string& name, const std::string& dataset,
@@ -173,7 +170,8 @@ io::UffModes body_modes_uff(const study::Study& study, const stage::Solution& so
 io::UffModes channel_modes_uff(const study::Study& study, const steps::IdentifiedModel& model) {
   const auto& match = model.match;
   const auto nodes = nodes_of(study, model);
-  const Index n = std::ssize(nodes), m = match.shapes.cols();
+  const auto modes = steps::modes_within(model);
+  const Index n = std::ssize(nodes), m = std::ssize(modes);
   auto result = untitled(study);
   result.place.resize(n, 3);
   result.shapes.resize(3 * n, m);
@@ -182,15 +180,15 @@ io::UffModes channel_modes_uff(const study::Study& study, const steps::Identifie
     const auto& node = nodes[static_cast<std::size_t>(i)];
     result.node.push_back(node.number);
     result.place.row(i) = node.place.transpose();
-    result.shapes.middleRows(3 * i, 3) = motion_of(node, match.shapes);
+    result.shapes.middleRows(3 * i, 3) = motion_of(node, match.shapes)(Eigen::all, modes);
     if (match.imaginary.size() > 0) {
-      result.imaginary.middleRows(3 * i, 3) = motion_of(node, match.imaginary);
+      result.imaginary.middleRows(3 * i, 3) = motion_of(node, match.imaginary)(Eigen::all, modes);
     }
   }
   result.lines = io::wire_frame(result.place);
-  result.frequency_hz = model.found.fit.model.frequency_hz;
-  result.damping_ratio = model.found.fit.model.damping_ratio;
-  result.has_scale = scales_of(match);
+  result.frequency_hz = model.found.fit.model.frequency_hz(modes);
+  result.damping_ratio = model.found.fit.model.damping_ratio(modes);
+  result.has_scale = scales_of(match, modes);
   return result;
 }
 

@@ -77,6 +77,15 @@ void add_errors(IdentifiedModel& model) {
 
 }  // namespace
 
+std::vector<Eigen::Index> modes_within(const IdentifiedModel& model) {
+  const auto& beyond = model.judgement.beyond_lines;
+  std::vector<Eigen::Index> modes;
+  for (Eigen::Index m = 0; m < model.found.fit.model.mode_count(); ++m) {
+    if (std::ranges::find(beyond, m) == beyond.end()) modes.push_back(m);
+  }
+  return modes;
+}
+
 bool is_held(const study::Study& study) {
   return !study.supports.empty() ||
          std::any_of(study.attachments.begin(), study.attachments.end(),

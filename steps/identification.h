@@ -69,6 +69,9 @@ struct IdentifiedModel : identification::ChannelGains {
   std::optional<SecondRecord> second_record;
 };
 
+/// All modes but those beyond the lines that nothing tells of (Judgement::beyond_lines).
+[[nodiscard]] std::vector<Eigen::Index> modes_within(const IdentifiedModel& model);
+
 /// Index of the first element with this name; −1: there is none.
 template <typename Named>
 [[nodiscard]] Eigen::Index index_of(const std::vector<Named>& all, const std::string& name) {

@@ -22,8 +22,8 @@ const ChannelSite& site_of(const std::vector<ChannelSite>& sites, const std::str
 std::vector<Eigen::Index> usable_modes(const IdentifiedModel& model, stage::Work& work) {
   const auto& fit = model.found.fit;
   const auto modes = identification::modes_with_scale(fit, model.match);
-  for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
-    if (std::ranges::find(modes, m) != modes.end()) continue;
+  for (const auto m : modes_within(model)) {
+    if (m < fit.model.rigid_count || std::ranges::find(modes, m) != modes.end()) continue;
     work.warn(
         fmt::format("mode {} ({:.1f} Hz) has no known scale between sensors and "
                     "actuators: it takes no part in what is predicted elsewhere",

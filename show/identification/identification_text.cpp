@@ -168,6 +168,15 @@ io::Json stabilisation_json(const std::vector<identification::StabilisationPoint
 
 // The state space of real modes has all places of the extended model as outputs; that of complex
 // modes has the sensors.
+// From 1, as MATLAB counts.
+Eigen::MatrixXd numbers_of(const std::vector<Eigen::Index>& modes) {
+  Eigen::MatrixXd numbers(std::ssize(modes), 1);
+  for (Eigen::Index i = 0; i < numbers.size(); ++i) {
+    numbers(i) = static_cast<double>(modes[static_cast<std::size_t>(i)] + 1);
+  }
+  return numbers;
+}
+
 io::MatFields matlab_variables(const study::Study& study, const steps::IdentifiedModel& model,
                                const modal::ReducedModel& extended) {
   const auto& fit = model.found.fit;
@@ -182,6 +191,7 @@ io::MatFields matlab_variables(const study::Study& study, const steps::Identifie
                        {"inputs", names_of(model.seen.inputs)},
                        {"frequency_hz", Eigen::MatrixXd(extended.frequency_hz)},
                        {"damping_ratio", Eigen::MatrixXd(extended.damping_ratio)},
+                       {"modes_within", numbers_of(steps::modes_within(model))},
                        {"title", study.title}};
   if (fit.complex) {
     fields.emplace_back("L", fit.complex->outputs);
@@ -326,9 +336,11 @@ void leave_identification(const study::Study& study, const steps::IdentifiedMode
   }
   leave_detection_lines(model, run);
   io::write_mat(run / "identified.mat", variables);
-  io::write_shapes(run / "identified_shapes.csv",
-                   {row_names(model), extended.frequency_hz, extended.damping_ratio,
-                    model.match.shapes, model.match.deviation});
+  const auto within = steps::modes_within(model);
+  io::write_shapes(
+      run / "identified_shapes.csv",
+      {row_names(model), extended.frequency_hz(within), extended.damping_ratio(within),
+       model.match.shapes(Eigen::all, within), model.match.deviation(Eigen::all, within)});
   leave_modes_uff(study, model, run);
   if (run.options().pictures) {
     tell(run.progress(), "drawing");

@@ -68,7 +68,8 @@ std::string beyond_text(const steps::IdentifiedModel& model) {
   }
   if (list.empty()) return "";
   return "  beyond the lines: mode " + list +
-         "; what all modes there add is measured, these modes are not\n";
+         "; what all modes there add is measured, these modes are not "
+         "(left out of identified.unv and identified_shapes.csv)\n";
 }
 
 std::string complex_text(const identification::ComplexAlternative& complex) {

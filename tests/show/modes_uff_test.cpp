@@ -98,5 +98,19 @@ TEST(ChannelModesUff, AChannelThatWasNotMeasuredIsNoNode) {
   EXPECT_NE(io::modes_uff(modes, io::ShapeDataset::nodes_55), "");
 }
 
+TEST(ChannelModesUff, AModeBeyondTheLinesThatNothingTellsOfIsLeftOut) {
+  const Vector3d z = Vector3d::UnitZ();
+  Eigen::MatrixXd shapes(2, 2);
+  shapes << 1.0, 5.0, 2.0, 7.0;
+  auto model = model_of({{"s1", z, z, 1}}, {"a1", 2.0 * z, z, 2}, shapes);
+  model.judgement.beyond_lines = {0};
+  const auto modes = channel_modes_uff({}, model);
+  ASSERT_EQ(modes.frequency_hz.size(), 1);
+  EXPECT_EQ(modes.frequency_hz(0), 20.0);
+  EXPECT_EQ(modes.damping_ratio(0), 0.02);
+  EXPECT_EQ(modes.has_scale, (std::vector<bool>{true}));
+  EXPECT_TRUE(motion(modes, 2, 0).isApprox(7.0 * z, 1e-12));
+}
+
 }  // namespace
 }  // namespace chladni::show
