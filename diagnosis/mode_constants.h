@@ -28,6 +28,10 @@ struct ModeConstants {
   double start_seen = 1.0;
   /// [ln] Deviation of the size of a residue that a side of channels does not see. Chosen.
   double unseen_size = 1.0;
+  /// [1] Error of the part by which a complex mode's residue is larger. Chosen: of few channels.
+  double excess_error = 0.5;
+  /// [1] Least part of a shape in phase that counts there. Chosen.
+  double least_in_phase = 0.1;
   /// [ln] Deviation of a residue that is not believed. Chosen.
   double unknown_scale = 3.0;
   /// [size] Length of smooth errors of a shape. Chosen.

@@ -149,7 +149,7 @@ void add_gain(const study::Study& study, double band_hz, const SolveStudy& solve
   one.gain = gain_of(one.measured, plan_of(study), study.measurement->hold_out, one.predictions,
                      tested ? &*tested : nullptr);
   if (is_of_modes(one) && is_less_good(one, options_of(plan_of(study), work))) {
-    judge_by_frequencies(one.modes_compared, one.gain);
+    judge_by_modes(one.modes_compared, one.gain);
   }
   const auto advice = advice_against(one.gain);
   if (advice.empty()) return;

@@ -97,6 +97,11 @@ void scale_damping(State& state, double factor) {
   state.loss *= factor;
 }
 
+void note_kept_ratios(State& state, const Eigen::VectorXd& by) {
+  if (state.kept_ratios.size() == 0) state.kept_ratios = Eigen::VectorXd::Ones(state.mode_count());
+  state.kept_ratios = state.kept_ratios.cwiseProduct(by);
+}
+
 void deviate_damping(State& state, Eigen::Index i, double by) {
   auto& relative = state.relative_damping;
   if (relative.size() == 0) relative = Eigen::VectorXd::Zero(state.mode_count());

@@ -52,6 +52,9 @@ struct State {
   /// r, or empty for 0: relative deviation of the loss of each mode. `damping` contains it for the
   /// structure's modes.
   Eigen::VectorXd relative_damping;
+  /// r, or empty for 1: factor by which the body's part of `damping` has grown in each mode for
+  /// constants that leave its ratio.
+  Eigen::VectorXd kept_ratios;
   /// Index of the structure's output (input) in each row (column) of the record.
   std::vector<Eigen::Index> output_of, input_of;
   /// q, by columns of the record: relative increase of the body's stiffness while that column was
@@ -81,6 +84,9 @@ void scale_stiffness(State& state, double factor);
 /// The same for its mass and for the losses of its modes.
 void scale_mass(State& state, double factor);
 void scale_damping(State& state, double factor);
+
+/// Notes such growth, r.
+void note_kept_ratios(State& state, const Eigen::VectorXd& by);
 
 /// Multiplies the loss of mode i by exp(by), in `damping` and in `relative_damping`.
 void deviate_damping(State& state, Eigen::Index i, double by);

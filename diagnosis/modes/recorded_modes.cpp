@@ -85,6 +85,37 @@ void record(const std::vector<Path>& paths, const std::vector<Index>& channel_of
   }
 }
 
+// Part of a matrix of the body that is its own.
+VectorXd own_diagonal(const MatrixXd& all, const MatrixXd& attached, Index r) {
+  VectorXd own = all.diagonal().head(r);
+  if (attached.size() > 0) own -= attached.diagonal().head(r);
+  return own;
+}
+
+// The body's own damping of a mode, where the modes keep the ratios that the study states.
+struct OwnDamping {
+  VectorXd omega, ratio;  // of the modes of the study's structure
+
+  // Factors of the viscous and of the hysteretic damping that fixed matrices have in a mode of
+  // circular frequency `to`. `motion` is its shape in the coordinates of the structure, and
+  // `inertia` the part of its modal mass that is the body's.
+  [[nodiscard]] std::pair<double, double> factors(const VectorXd& motion, double inertia,
+                                                  double to) const {
+    double squares = 0.0, kept = 0.0, viscous = 0.0, hysteretic = 0.0;
+    for (Index l = 0; l < omega.size(); ++l) {
+      if (!(ratio(l) > 0.0)) continue;  // a rigid-body motion
+      const double square = motion(l) * motion(l);
+      squares += square;
+      kept += ratio(l) * square;
+      viscous += ratio(l) * omega(l) * square;
+      hysteretic += ratio(l) * omega(l) * omega(l) * square;
+    }
+    if (!(viscous > 0.0)) return {1.0, 1.0};
+    kept *= inertia / squares;
+    return {kept * to / viscous, kept * to * to / hysteretic};
+  }
+};
+
 }  // namespace
 
 ModeSolver::ModeSolver(State base, Index most)
@@ -113,7 +144,35 @@ ModeSolver::Body ModeSolver::solved(const State& state) const {
   body.shapes = turn.topRows(std::min(most_, state.mode_count()));
   body.damping = (turn.transpose() * all.damping * turn).diagonal() +
                  (turn.transpose() * all.loss * turn).diagonal().cwiseQuotient(omega);
+  keep_ratios(state, omega, body);
   return body;
+}
+
+void ModeSolver::keep_ratios(const State& state, const VectorXd& omega, Body& body) const {
+  const Index r = body.shapes.rows();
+  OwnDamping own{base_.stiffness.diagonal().head(r).cwiseMax(0.0).cwiseSqrt(), {}};
+  own.ratio = (own_diagonal(base_.damping, base_.dashpots, r) +
+               base_.loss.diagonal().head(r).cwiseQuotient(own.omega.cwiseMax(1e-12)))
+                  .cwiseQuotient(2.0 * own.omega.cwiseMax(1e-12));
+  for (Index l = 0; l < r; ++l) {
+    if (own.omega(l) < kConstants.no_stiffness * own.omega.maxCoeff()) own.ratio(l) = 0.0;
+  }
+  // The body's own damping without what constants have added to keep their ratios.
+  VectorXd root = VectorXd::Ones(r);
+  if (state.kept_ratios.size() > 0) root = state.kept_ratios.head(r).cwiseSqrt().cwiseInverse();
+  MatrixXd own_viscous = state.damping.topLeftCorner(r, r);
+  if (state.dashpots.size() > 0) own_viscous -= state.dashpots.topLeftCorner(r, r);
+  const MatrixXd viscous = root.asDiagonal() * own_viscous * root.asDiagonal();
+  const MatrixXd solid_loss =
+      root.asDiagonal() * state.loss.topLeftCorner(r, r) * root.asDiagonal();
+  for (Index k = 0; k < omega.size(); ++k) {
+    const VectorXd t = body.shapes.col(k);
+    const auto [fluid, solid] =
+        own.factors(t, t.dot(state.mass.topLeftCorner(r, r) * t), omega(k));
+    body.damping(k) +=
+        fluid * t.dot(viscous * t) - t.dot(own_viscous * t) +
+        (solid * t.dot(solid_loss * t) - t.dot(state.loss.topLeftCorner(r, r) * t)) / omega(k);
+  }
 }
 
 RecordedModes ModeSolver::modes(const State& state, double low_hz, double high_hz) const {

@@ -25,7 +25,9 @@ class ModeSolver {
   ///              faster and less exact
   ModeSolver(State base, Eigen::Index most);
 
-  /// Undamped modes from `low_hz` to `high_hz`, with the damping ratios of light damping. An
+  /// Undamped modes from `low_hz` to `high_hz`, with the damping ratios of light damping. The body's
+  /// own ratios are those of the modes as they are, whatever changes their stiffness and mass, as
+  /// in a study that states them (loaded_damping.h). An
   /// attachment yields as the modes above do (State::output_upper); a carried mass adds its mode.
   /// Frames and the residual flexibility have no part in modes.
   /// Cost: 1 ms for 40 coordinates. @throws NumericalFailure  a mass that is not positive
@@ -39,6 +41,7 @@ class ModeSolver {
   };
   [[nodiscard]] Body solved(const State& state) const;
   [[nodiscard]] bool is_base(const State& state) const;
+  void keep_ratios(const State& state, const Eigen::VectorXd& omega, Body& body) const;
 
   State base_;
   Eigen::Index most_;

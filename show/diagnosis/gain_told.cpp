@@ -133,6 +133,12 @@ std::vector<std::string> gain_lines(const steps::Diagnosed& one) {
         "{} before, {} after",
         percent(gain.frequencies_before), percent(gain.frequencies_after)));
   }
+  if (std::isfinite(gain.shapes_after)) {
+    lines.push_back(fmt::format(
+        "the model's errors put resonances beside each other, so shapes count as well: off by {} "
+        "before, {} after",
+        percent(gain.shapes_before), percent(gain.shapes_after)));
+  }
   const auto& tested = one.result.cross_validation;
   const bool is_unseen = tested || !gain.held_out.empty();
   if (steps::is_of_modes(one) && is_changed(gain) && !is_unseen) {
@@ -180,6 +186,10 @@ io::JsonObject gain_json(const steps::Diagnosed& one) {
   if (std::isfinite(gain.frequencies_after)) {
     json.emplace_back("frequencies", io::JsonObject{{"before", gain.frequencies_before},
                                                     {"after", gain.frequencies_after}});
+  }
+  if (std::isfinite(gain.shapes_after)) {
+    json.emplace_back("shapes", io::JsonObject{{"before", gain.shapes_before},
+                                               {"after", gain.shapes_after}});
   }
   const auto& tested = one.result.cross_validation;
   if (tested) json.emplace_back("cross_validation", cross_validation_json(*tested));

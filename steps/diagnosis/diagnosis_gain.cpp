@@ -139,23 +139,49 @@ Gain gain_of(const MeasuredFrfs& measured, const study::DiagnosisPlan& plan,
   return gain;
 }
 
-void judge_by_frequencies(const std::vector<diagnosis::ModeTold>& modes, Gain& gain) {
-  double before = 0.0, after = 0.0, count = 0.0;
+namespace {
+
+// Sums of squares over the modes that have partners before: of frequencies, and of shapes.
+struct ModeSums {
+  double count = 0.0, frequencies_before = 0.0, frequencies_after = 0.0;
+  double shapes_before = 0.0, shapes_after = 0.0;
+};
+
+ModeSums mode_sums(const std::vector<diagnosis::ModeTold>& modes) {
+  ModeSums sums;
   for (const auto& mode : modes) {
     const double was = mode.before_hz / mode.measured_hz - 1.0;
     const double is = mode.after_hz / mode.measured_hz - 1.0;
     if (!std::isfinite(was)) continue;
-    before += was * was;
     // A mode that loses its partner is further off than a pair may be.
     const double lost = std::max(std::abs(was), diagnosis::kConstants.apart_alone);
-    after += std::pow(std::isfinite(is) ? is : lost, 2);
-    count += 1.0;
+    sums.count += 1.0;
+    sums.frequencies_before += was * was;
+    sums.frequencies_after += std::pow(std::isfinite(is) ? is : lost, 2);
+    sums.shapes_before += 1.0 - mode.mac_before;
+    sums.shapes_after += 1.0 - mode.mac_after;
   }
-  const bool is_changed = std::abs(after - before) > kRounding * before;
-  if (!gain.pays || count < 1.0 || !is_changed) return;
-  gain.frequencies_before = std::sqrt(before / count);
-  gain.frequencies_after = std::sqrt(after / count);
-  gain.pays = after < before || *gain.pays;
+  return sums;
+}
+
+bool is_changed(double after, double before) {
+  return std::abs(after - before) > kRounding * before;
+}
+
+}  // namespace
+
+void judge_by_modes(const std::vector<diagnosis::ModeTold>& modes, Gain& gain) {
+  const auto sums = mode_sums(modes);
+  if (!gain.pays || sums.count < 1.0) return;
+  if (is_changed(sums.frequencies_after, sums.frequencies_before)) {
+    gain.frequencies_before = std::sqrt(sums.frequencies_before / sums.count);
+    gain.frequencies_after = std::sqrt(sums.frequencies_after / sums.count);
+    gain.pays = sums.frequencies_after < sums.frequencies_before || *gain.pays;
+  } else if (is_changed(sums.shapes_after, sums.shapes_before)) {
+    gain.shapes_before = std::sqrt(sums.shapes_before / sums.count);
+    gain.shapes_after = std::sqrt(sums.shapes_after / sums.count);
+    gain.pays = sums.shapes_after < sums.shapes_before || *gain.pays;
+  }
 }
 
 std::string advice_against(const Gain& gain) {
@@ -167,6 +193,13 @@ std::string advice_against(const Gain& gain) {
         "The extended study predicts neither the responses nor the frequencies of the modes better "
         "than before (frequencies off by {}, before by {}): it is not recommended.",
         percent(gain.frequencies_after), percent(gain.frequencies_before));
+  }
+  if (std::isfinite(gain.shapes_after)) {
+    if (*gain.pays) return "";
+    return fmt::format(
+        "The extended study predicts neither the responses nor the shapes of the modes better than "
+        "before (shapes off by {}, before by {}): it is not recommended.",
+        percent(gain.shapes_after), percent(gain.shapes_before));
   }
   const double held = extended ? gain.held_out_extended : gain.held_out_after;
   const double seen = extended ? gain.fit_extended : gain.fit_after;

@@ -46,6 +46,8 @@ struct Gain {
   /// these miss each other and not what is right: then a cause also pays where frequencies are
   /// nearer.
   double frequencies_before = kNone, frequencies_after = kNone;
+  /// Likewise the sines between the shapes, where no frequency changes: that of a channel.
+  double shapes_before = kNone, shapes_after = kNone;
   MeasuredPart fitted;
   std::vector<std::string> held_out;                        ///< in words: channels, bands
   std::vector<std::pair<double, double>> held_out_band_hz;  ///< one or none
@@ -78,8 +80,9 @@ struct Predictions {
                            const Predictions& predictions,
                            const diagnosis::CrossValidation* tested = nullptr);
 
-/// Lets the frequencies of the modes decide, where the extended study changes them.
-void judge_by_frequencies(const std::vector<diagnosis::ModeTold>& modes, Gain& gain);
+/// Lets the frequencies of the modes decide, where the extended study changes them, or else their
+/// shapes (the sine is that of vectors over the channels, √(1 − MAC)).
+void judge_by_modes(const std::vector<diagnosis::ModeTold>& modes, Gain& gain);
 
 /// The reason not to use the named causes, or empty: "The extended study predicts what was held out
 /// worse than the study does (38 % off, 24 % before): it is not recommended."

@@ -161,13 +161,35 @@ TEST(Gain, ByFrequenciesCountsAModeThatLosesItsPartner) {
   const auto judged = [](const std::vector<diagnosis::ModeTold>& modes) {
     steps::Gain gain;
     gain.pays = false;
-    steps::judge_by_frequencies(modes, gain);
+    steps::judge_by_modes(modes, gain);
     return gain;
   };
   EXPECT_TRUE(judged({mode(103.0, 100.5), mode(98.0, 99.0)}).pays.value_or(false));
   const auto lost = judged({mode(103.0, NAN), mode(98.0, 99.0)});
   EXPECT_FALSE(lost.pays.value_or(true));
   EXPECT_GT(lost.frequencies_after, lost.frequencies_before);
+}
+
+// A gain of a sensor moves no frequency; detuned responses say nothing of it.
+TEST(Gain, ByShapesWhereNoFrequencyChanges) {
+  const auto judged = [](double mac_before, double mac_after) {
+    diagnosis::ModeTold mode;
+    mode.measured_hz = 100.0;
+    mode.before_hz = mode.after_hz = 103.0;
+    mode.mac_before = mac_before;
+    mode.mac_after = mac_after;
+    steps::Gain gain;
+    gain.pays = false;
+    steps::judge_by_modes({mode, mode}, gain);
+    return gain;
+  };
+  const auto nearer = judged(0.91, 0.96);
+  EXPECT_TRUE(nearer.pays.value_or(false));
+  EXPECT_NEAR(nearer.shapes_before, 0.3, 1e-12);
+  EXPECT_NEAR(nearer.shapes_after, 0.2, 1e-12);
+  EXPECT_TRUE(std::isnan(nearer.frequencies_after));
+  EXPECT_FALSE(judged(0.96, 0.91).pays.value_or(true));
+  EXPECT_FALSE(judged(0.96, NAN).pays.value_or(true));
 }
 
 }  // namespace

@@ -40,6 +40,12 @@ void scale_damping_of_modes(State& state, const VectorXd& by) {
   MatrixXd own = state.damping;
   if (state.dashpots.size() > 0) own -= state.dashpots;
   state.damping += root.asDiagonal() * own * root.asDiagonal() - own;
+  note_kept_ratios(state, by);
+}
+
+void scale_damping_of_all(State& state, double by) {
+  scale_damping(state, by);
+  note_kept_ratios(state, VectorXd::Constant(state.mode_count(), by));
 }
 
 void stretch(State& state, const MatrixXd& part, double x) {
@@ -68,17 +74,17 @@ void shear(State& state, const Structure& structure, Index /*option*/, const Vec
 }
 void stiffen(State& state, const Structure& /*structure*/, Index /*option*/, const VectorXd& x) {
   scale_stiffness(state, std::exp(x(0)));
-  scale_damping(state, std::exp(0.5 * x(0)));
+  scale_damping_of_all(state, std::exp(0.5 * x(0)));
 }
 void weigh(State& state, const Structure& /*structure*/, Index /*option*/, const VectorXd& x) {
   scale_mass(state, std::exp(x(0)));
-  scale_damping(state, std::exp(0.5 * x(0)));
+  scale_damping_of_all(state, std::exp(0.5 * x(0)));
 }
 // Frequencies and mass go as the thickness.
 void thicken(State& state, const Structure& structure, Index option, const VectorXd& x) {
   static const Effect& own = effect("thickness");
   own.apply(state, structure, option, x);
-  scale_damping(state, std::exp(2.0 * x(0)));
+  scale_damping_of_all(state, std::exp(2.0 * x(0)));
 }
 
 Index has_bending(const Structure& structure) { return structure.bending_power > 0.0 ? 1 : 0; }

@@ -220,13 +220,37 @@ double factor_noise(const PartnerSide& side) {
   return std::sqrt(squares) / square_of(side);
 }
 
+// Part of a side's shape that is in phase: |Σ v²| over Σ |v|².
+double part_in_phase(const PartnerSide& side) {
+  const VectorXcd& v = side.measured;
+  return std::max(std::abs(v.cwiseProduct(v).sum()) / std::max(v.squaredNorm(), 1e-300),
+                  kConstants.least_in_phase);
+}
+
+// ln by which a residue is larger than that of a real mode. Complex modes are normalised by vᵀ M v,
+// which is less than |v|² by the part in phase: modes that damping couples, two of nearly the same
+// frequency above all, have large residues that cancel.
+double complex_excess(const PartnerSide& out, const PartnerSide& in) {
+  double sum = 0.0;
+  Index count = 0;
+  for (const auto* side : {&out, &in}) {
+    if (!side->is_shape()) continue;
+    sum -= static_cast<double>(side->count()) * std::log(part_in_phase(*side));
+    count += side->count();
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
+
 // ln of a residue over its model. A mode that the channels hardly see has a less certain one.
 Index put_residue(Rows& rows, const PartnerSide& out, const PartnerSide& in) {
   const auto ratio = std::log(out.factor * in.factor);
+  const double excess = complex_excess(out, in);
   const double blindness = std::max(out.blindness(), in.blindness());
   const double unseen = std::pow(blindness / kConstants.blindest, 2);
   const double noise = std::hypot(factor_noise(out), factor_noise(in));
-  const Index row = rows.add(ratio.real(), std::hypot(noise, kConstants.unseen_size * unseen),
+  const double unsure =
+      std::hypot(kConstants.unseen_size * unseen, kConstants.excess_error * excess);
+  const Index row = rows.add(ratio.real() - excess, std::hypot(noise, unsure),
                              of(ErrorClass::residue));
   rows.add(ratio.imag(), std::hypot(noise, kConstants.unknown_scale * unseen),
            of(ErrorClass::residue));
