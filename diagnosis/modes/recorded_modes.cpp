@@ -163,15 +163,14 @@ void ModeSolver::keep_ratios(const State& state, const VectorXd& omega, Body& bo
   MatrixXd own_viscous = state.damping.topLeftCorner(r, r);
   if (state.dashpots.size() > 0) own_viscous -= state.dashpots.topLeftCorner(r, r);
   const MatrixXd viscous = root.asDiagonal() * own_viscous * root.asDiagonal();
-  const MatrixXd solid_loss =
-      root.asDiagonal() * state.loss.topLeftCorner(r, r) * root.asDiagonal();
+  const MatrixXd loss = root.asDiagonal() * state.loss.topLeftCorner(r, r) * root.asDiagonal();
   for (Index k = 0; k < omega.size(); ++k) {
     const VectorXd t = body.shapes.col(k);
-    const auto [fluid, solid] =
+    const auto [viscous_by, loss_by] =
         own.factors(t, t.dot(state.mass.topLeftCorner(r, r) * t), omega(k));
     body.damping(k) +=
-        fluid * t.dot(viscous * t) - t.dot(own_viscous * t) +
-        (solid * t.dot(solid_loss * t) - t.dot(state.loss.topLeftCorner(r, r) * t)) / omega(k);
+        viscous_by * t.dot(viscous * t) - t.dot(own_viscous * t) +
+        (loss_by * t.dot(loss * t) - t.dot(state.loss.topLeftCorner(r, r) * t)) / omega(k);
   }
 }
 

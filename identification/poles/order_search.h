@@ -34,7 +34,9 @@ void drop_doubled_modes(const FitData& data, const FitOptions& options, Identifi
 /// Fits modes above the lines where a search within them left more than noise. A vector fit seeks
 /// poles within the lines, and a constant has no slope: else modes that are not there stand for the
 /// slope that the modes above leave. Such modes are broad, and are left out if others explain as
-/// much. Cost: two to four fits, and one for each mode that is left out or added.
+/// much. At the end doubtful modes within are exchanged for some above, or left out, if what is
+/// left is near the noise. Cost: two to four fits, one for each mode that is left out, and two for
+/// each that is added or exchanged.
 /// @param start  of the search
 void look_above_lines(const FitData& data, const Start& start, const IdentificationOptions& options,
                       Identified& result);

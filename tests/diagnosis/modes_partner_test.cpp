@@ -265,5 +265,38 @@ TEST(Errors, AreContinuousInTheSizeOfACause) {
   }
 }
 
+// The errors of ln residue, real parts.
+VectorXd residue_errors(const MeasuredModes& measured, const RecordedModes& model) {
+  const auto errors = errors_of(measured, model, matched_by_shape(measured, model));
+  VectorXd all(measured.count());
+  for (Index i = 0; i < all.size(); ++i) {
+    const auto& block = errors.blocks[at(i)];
+    const auto own = std::ranges::find(block.of, static_cast<int>(ErrorClass::residue));
+    EXPECT_NE(own, block.of.end()) << i;
+    all(i) = block.error(own - block.of.begin());
+  }
+  return all;
+}
+
+// Two modes that damping couples turn by a complex angle: of v = cosh b u + i sinh b w the residue
+// is larger by cosh 2b. The body is no lighter for that.
+TEST(Errors, OfComplexModesHaveNoLargerResidues) {
+  const auto model = modes_of(loaded());
+  auto real = measured_of(model, 0.0);
+  real.scaled = true;
+  EXPECT_LT(residue_errors(real, model).cwiseAbs().maxCoeff(), 1e-9);
+  for (const double b : {0.1, 0.3, 0.5}) {
+    auto measured = real;
+    for (auto* shapes : {&measured.output_shapes, &measured.input_shapes}) {
+      const MatrixXcd pair = shapes->middleCols(3, 2);
+      shapes->col(3) = std::cosh(b) * pair.col(0) + Complex(0.0, std::sinh(b)) * pair.col(1);
+      shapes->col(4) = std::cosh(b) * pair.col(1) - Complex(0.0, std::sinh(b)) * pair.col(0);
+    }
+    const double larger = std::log(std::cosh(2.0 * b));
+    const VectorXd errors = residue_errors(measured, model);
+    EXPECT_LT(std::abs(errors(3) + errors(4)), 0.4 * larger) << b << ": " << errors.transpose();
+  }
+}
+
 }  // namespace
 }  // namespace chladni::diagnosis

@@ -250,8 +250,8 @@ Index put_residue(Rows& rows, const PartnerSide& out, const PartnerSide& in) {
   const double noise = std::hypot(factor_noise(out), factor_noise(in));
   const double unsure =
       std::hypot(kConstants.unseen_size * unseen, kConstants.excess_error * excess);
-  const Index row = rows.add(ratio.real() - excess, std::hypot(noise, unsure),
-                             of(ErrorClass::residue));
+  const Index row =
+      rows.add(ratio.real() - excess, std::hypot(noise, unsure), of(ErrorClass::residue));
   rows.add(ratio.imag(), std::hypot(noise, kConstants.unknown_scale * unseen),
            of(ErrorClass::residue));
   return row;
