@@ -85,10 +85,10 @@ void record(const std::vector<Path>& paths, const std::vector<Index>& channel_of
   }
 }
 
-// Part of a matrix of the body that is its own.
-VectorXd own_diagonal(const MatrixXd& all, const MatrixXd& attached, Index r) {
-  VectorXd own = all.diagonal().head(r);
-  if (attached.size() > 0) own -= attached.diagonal().head(r);
+// The first rows and columns of the body's own damping.
+MatrixXd own_damping(const State& state, Index r) {
+  MatrixXd own = state.damping.topLeftCorner(r, r);
+  if (state.dashpots.size() > 0) own -= state.dashpots.topLeftCorner(r, r);
   return own;
 }
 
@@ -151,7 +151,7 @@ ModeSolver::Body ModeSolver::solved(const State& state) const {
 void ModeSolver::keep_ratios(const State& state, const VectorXd& omega, Body& body) const {
   const Index r = body.shapes.rows();
   OwnDamping own{base_.stiffness.diagonal().head(r).cwiseMax(0.0).cwiseSqrt(), {}};
-  own.ratio = (own_diagonal(base_.damping, base_.dashpots, r) +
+  own.ratio = (own_damping(base_, r).diagonal() +
                base_.loss.diagonal().head(r).cwiseQuotient(own.omega.cwiseMax(1e-12)))
                   .cwiseQuotient(2.0 * own.omega.cwiseMax(1e-12));
   for (Index l = 0; l < r; ++l) {
@@ -160,8 +160,7 @@ void ModeSolver::keep_ratios(const State& state, const VectorXd& omega, Body& bo
   // The body's own damping without what constants have added to keep their ratios.
   VectorXd root = VectorXd::Ones(r);
   if (state.kept_ratios.size() > 0) root = state.kept_ratios.head(r).cwiseSqrt().cwiseInverse();
-  MatrixXd own_viscous = state.damping.topLeftCorner(r, r);
-  if (state.dashpots.size() > 0) own_viscous -= state.dashpots.topLeftCorner(r, r);
+  const MatrixXd own_viscous = own_damping(state, r);
   const MatrixXd viscous = root.asDiagonal() * own_viscous * root.asDiagonal();
   const MatrixXd loss = root.asDiagonal() * state.loss.topLeftCorner(r, r) * root.asDiagonal();
   for (Index k = 0; k < omega.size(); ++k) {

@@ -209,6 +209,9 @@ void drop_idle_modes(const FitData& data, const FitOptions& options, Identified&
 }
 
 namespace {
+
+// Adds the mode that explains most of what is left, or one above the lines if `above` is true and
+// that explains as much.
 void add_modes(const FitData& data, const IdentificationOptions& options, bool above,
                Identified& result) {
   const auto room = data.measured_count() / (2 * parameters_of_mode(data, options.fit.damping));
@@ -237,6 +240,7 @@ void add_modes(const FitData& data, const IdentificationOptions& options, bool a
 }
 
 }  // namespace
+
 void add_missing_modes(const FitData& data, const IdentificationOptions& options,
                        Identified& result) {
   add_modes(data, options, false, result);

@@ -166,8 +166,6 @@ io::Json stabilisation_json(const std::vector<identification::StabilisationPoint
   return array;
 }
 
-// The state space of real modes has all places of the extended model as outputs; that of complex
-// modes has the sensors.
 // From 1, as MATLAB counts.
 Eigen::MatrixXd numbers_of(const std::vector<Eigen::Index>& modes) {
   Eigen::MatrixXd numbers(std::ssize(modes), 1);
@@ -177,6 +175,8 @@ Eigen::MatrixXd numbers_of(const std::vector<Eigen::Index>& modes) {
   return numbers;
 }
 
+// The state space of real modes has all places of the extended model as outputs; that of complex
+// modes has the sensors.
 io::MatFields matlab_variables(const study::Study& study, const steps::IdentifiedModel& model,
                                const modal::ReducedModel& extended) {
   const auto& fit = model.found.fit;

@@ -173,33 +173,32 @@ bool is_changed(double after, double before) {
 void judge_by_modes(const std::vector<diagnosis::ModeTold>& modes, Gain& gain) {
   const auto sums = mode_sums(modes);
   if (!gain.pays || sums.count < 1.0) return;
-  if (is_changed(sums.frequencies_after, sums.frequencies_before)) {
-    gain.frequencies_before = std::sqrt(sums.frequencies_before / sums.count);
-    gain.frequencies_after = std::sqrt(sums.frequencies_after / sums.count);
-    gain.pays = sums.frequencies_after < sums.frequencies_before || *gain.pays;
-  } else if (is_changed(sums.shapes_after, sums.shapes_before)) {
-    gain.shapes_before = std::sqrt(sums.shapes_before / sums.count);
-    gain.shapes_after = std::sqrt(sums.shapes_after / sums.count);
-    gain.pays = sums.shapes_after < sums.shapes_before || *gain.pays;
+  const auto judge = [&](double before, double after, double& told_before, double& told_after) {
+    if (!is_changed(after, before)) return false;
+    told_before = std::sqrt(before / sums.count);
+    told_after = std::sqrt(after / sums.count);
+    gain.pays = after < before || *gain.pays;
+    return true;
+  };
+  if (judge(sums.frequencies_before, sums.frequencies_after, gain.frequencies_before,
+            gain.frequencies_after)) {
+    return;
   }
+  judge(sums.shapes_before, sums.shapes_after, gain.shapes_before, gain.shapes_after);
 }
 
 std::string advice_against(const Gain& gain) {
   const bool extended = gain.pays.has_value();
   if (gain.from == GainFrom::nothing) return "";
-  if (std::isfinite(gain.frequencies_after)) {
+  const bool by_frequencies = std::isfinite(gain.frequencies_after);
+  if (by_frequencies || std::isfinite(gain.shapes_after)) {
     if (*gain.pays) return "";
     return fmt::format(
-        "The extended study predicts neither the responses nor the frequencies of the modes better "
-        "than before (frequencies off by {}, before by {}): it is not recommended.",
-        percent(gain.frequencies_after), percent(gain.frequencies_before));
-  }
-  if (std::isfinite(gain.shapes_after)) {
-    if (*gain.pays) return "";
-    return fmt::format(
-        "The extended study predicts neither the responses nor the shapes of the modes better than "
-        "before (shapes off by {}, before by {}): it is not recommended.",
-        percent(gain.shapes_after), percent(gain.shapes_before));
+        "The extended study predicts neither the responses nor the {0} of the modes better than "
+        "before ({0} off by {1}, before by {2}): it is not recommended.",
+        by_frequencies ? "frequencies" : "shapes",
+        percent(by_frequencies ? gain.frequencies_after : gain.shapes_after),
+        percent(by_frequencies ? gain.frequencies_before : gain.shapes_before));
   }
   const double held = extended ? gain.held_out_extended : gain.held_out_after;
   const double seen = extended ? gain.fit_extended : gain.fit_after;
