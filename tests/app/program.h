@@ -40,9 +40,9 @@ inline std::string whole(const fs::path& file) {
 class CommandLine : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ =
-        fs::temp_directory_path() / ("chladni_" + std::to_string(getpid()) + "_" +
-                                     testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::ranges::replace(name, '/', '_');  // of a case
+    folder_ = fs::temp_directory_path() / ("chladni_" + std::to_string(getpid()) + "_" + name);
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }
