@@ -1,5 +1,5 @@
 // chladni cache: the meshes and modes that runs have kept for later ones.
-#include "base/cache.h"
+#include "host/cache.h"
 
 #include <fmt/format.h>
 

@@ -7,7 +7,7 @@
 #include <ostream>
 
 #include "app/command.h"
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "io/frf_file.h"
 #include "io/read.h"

@@ -17,7 +17,7 @@
 #include "app/watch.h"
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "dense/blas.h"
 #include "io/frf_file.h"
 #include "show/excerpt.h"

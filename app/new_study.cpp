@@ -9,7 +9,7 @@
 #include <string>
 
 #include "app/command.h"
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/quantity.h"

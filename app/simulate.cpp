@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "app/command.h"
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/sha256.h"
 #include "io/frf_file.h"

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "app/exit_code.h"
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "study/sweep_plan.h"
 #include "sweep/gathered.h"
 #include "sweep/scripts.h"

@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 #include "base/turn.h"
-#include "base/worker.h"
+#include "host/worker.h"
 #include "cluster/reply.h"
 #include "fem/given_modes.h"
 #include "io/matrix.h"

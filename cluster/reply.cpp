@@ -14,7 +14,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 
 namespace chladni::cluster {

@@ -8,8 +8,8 @@ file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/libexec)
 file(CREATE_LINK ../bin ${PROJECT_BINARY_DIR}/libexec/chladni SYMBOLIC)
 
 # add_worker(name "what it serves" [CONFINED] [COMPONENT component]): an executable that the others
-# start. One that runs CONFINED (base/confinement.h) is tried so by `chladni doctor`. It is built by
-# `programs` and installed where base/worker.cpp looks for it. One of another component than
+# start. One that runs CONFINED (host/confinement.h) is tried so by `chladni doctor`. It is built by
+# `programs` and installed where host/worker.cpp looks for it. One of another component than
 # `programs` is in a Debian package of its own, chladni-<component>, and may be missing.
 function(add_worker name serves)
   cmake_parse_arguments(PARSE_ARGV 2 own CONFINED COMPONENT "")

@@ -10,25 +10,26 @@ import sys
 
 MAY_INCLUDE = {
     "base": "",
-    "dense": "base",
-    "mesh": "base",
+    "host": "base",
+    "dense": "base host",
+    "mesh": "base host",
     "modal": "base dense mesh",
-    "fem": "base dense mesh modal",
-    "priors": "base dense mesh modal",
-    "placement": "base dense mesh modal priors",
-    "identification": "base dense mesh modal priors",
-    "diagnosis": "base dense mesh modal fem priors identification",
-    "io": "base dense mesh modal fem priors placement identification diagnosis",
-    "cluster": "base dense mesh modal fem io",
-    "study": "base dense mesh modal fem priors placement identification diagnosis io",
-    "stage": "base dense mesh modal fem priors placement identification diagnosis io cluster study",
-    "steps": "base dense mesh modal fem priors placement identification diagnosis io cluster study stage",
-    "show": "base dense mesh modal fem priors placement identification diagnosis io cluster study stage steps",
-    "sweep": "base dense mesh modal fem priors placement identification diagnosis io cluster study stage "
+    "fem": "base host dense mesh modal",
+    "priors": "base host dense mesh modal",
+    "placement": "base host dense mesh modal priors",
+    "identification": "base host dense mesh modal priors",
+    "diagnosis": "base host dense mesh modal fem priors identification",
+    "io": "base host dense mesh modal fem priors placement identification diagnosis",
+    "cluster": "base host dense mesh modal fem io",
+    "study": "base host dense mesh modal fem priors placement identification diagnosis io",
+    "stage": "base host dense mesh modal fem priors placement identification diagnosis io cluster study",
+    "steps": "base host dense mesh modal fem priors placement identification diagnosis io cluster study stage",
+    "show": "base host dense mesh modal fem priors placement identification diagnosis io cluster study stage steps",
+    "sweep": "base host dense mesh modal fem priors placement identification diagnosis io cluster study stage "
              "steps show",
-    "app": "base dense mesh modal fem priors placement identification diagnosis io cluster study stage "
+    "app": "base host dense mesh modal fem priors placement identification diagnosis io cluster study stage "
            "steps show sweep",
-    "python": "base dense mesh modal fem priors placement identification diagnosis io study stage "
+    "python": "base host dense mesh modal fem priors placement identification diagnosis io study stage "
               "steps show sweep app",
 }
 DOORS = {
@@ -54,7 +55,7 @@ DOORS = {
 }
 # std::to_string prints 1e-14 as 0.000000: fmt::to_string and fmt::format do not. Whole numbers only,
 # where fmt is not linked or was not yet.
-WHOLE_NUMBERS_ONLY = ["base/atomic_file.cpp", "base/worker.cpp", "mesh/mesher/*", "mesh/patches.cpp",
+WHOLE_NUMBERS_ONLY = ["host/atomic_file.cpp", "host/worker.cpp", "mesh/mesher/*", "mesh/patches.cpp",
                       "io/scan.h", "io/matlab/mat_worker.cpp", "io/picture/*", "io/surface/step_worker.cpp"]
 # "avx2,fma" makes a clone for AVX2 and one for FMA, not one for both: levels of the architecture have all.
 CLONES = "base/cpu_clones.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/cpu_clones.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 
 namespace chladni::dense {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "base/index.h"
 #include "base/interrupt.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "dense/blas.h"
 #include "diagnosis/verdict/prepared.h"
 

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "fem/body/rigid_body.h"
 #include "fem/element/element_matrices.h"
 

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "base/interrupt.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "fem/element/bubbles.h"
 #include "fem/element/element_matrices.h"
 

@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "dense/blas.h"
 #include "dense/blocks.h"
 #include "fem/element/element_matrices.h"

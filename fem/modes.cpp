@@ -10,8 +10,8 @@
 #include <string>
 
 #include "base/error.h"
-#include "base/memory.h"
-#include "base/parallel.h"
+#include "host/memory.h"
+#include "host/parallel.h"
 #include "base/turn.h"
 #include "fem/eigen/certificate.h"
 #include "fem/eigen/found_modes.h"

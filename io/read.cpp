@@ -5,7 +5,7 @@
 #include <array>
 #include <new>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/quantity.h"
 #include "io/scan.h"

@@ -12,7 +12,7 @@
 #include <unordered_map>
 
 #include "base/error.h"
-#include "base/worker.h"
+#include "host/worker.h"
 #include "mesh/mesher/wire.h"
 #include "mesh/remesh/attempts.h"
 #include "mesh/remesh/remesh.h"

@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "mesh/faces.h"
 #include "mesh/surface.h"
 #include "placement/constants.h"

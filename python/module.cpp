@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/parallel.h"
-#include "base/worker.h"
+#include "host/parallel.h"
+#include "host/worker.h"
 #include "dense/blas.h"
 #include "python/rooms.h"
 #include "show/version.h"

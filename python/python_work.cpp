@@ -2,7 +2,7 @@
 
 #include <pybind11/stl.h>
 
-#include "base/memory.h"
+#include "host/memory.h"
 
 namespace chladni::python {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <set>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/decompositions.h"
 #include "show/version.h"
 

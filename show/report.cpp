@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <ctime>
 
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "base/percent.h"
 #include "dense/blas.h"
 #include "io/report.h"

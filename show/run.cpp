@@ -6,9 +6,9 @@
 #include <ostream>
 #include <system_error>
 
-#include "base/cache.h"
+#include "host/cache.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "host/memory.h"
 #include "show/run.h"
 #include "show/version.h"
 

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "base/memory.h"
+#include "host/memory.h"
 #include "stage/estimates/blind_spots.h"
 #include "stage/faces.h"
 #include "stage/forecast.h"

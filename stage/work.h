@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/cache.h"
+#include "host/cache.h"
 #include "base/progress.h"
 
 namespace chladni::stage {

@@ -10,7 +10,7 @@
 #include <new>
 #include <numbers>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "diagnosis/calibrated_responses.h"
 #include "diagnosis/diagnosed_modes.h"

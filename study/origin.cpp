@@ -4,9 +4,9 @@
 #include <string_view>
 #include <system_error>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
-#include "base/folder.h"
+#include "host/folder.h"
 #include "base/sha256.h"
 #include "io/json.h"
 

@@ -3,7 +3,7 @@
 #include <set>
 #include <system_error>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/sha256.h"
 #include "study/device_arrays.h"

@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "study/problems.h"
 #include "study/toml/table_reader.h"

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "io/plot.h"
 #include "io/result_table.h"
 #include "show/version.h"

@@ -6,10 +6,10 @@
 #include <system_error>
 #include <utility>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/sha256.h"
-#include "base/worker.h"
+#include "host/worker.h"
 #include "show/version.h"
 #include "study/origin.h"
 #include "study/study.h"

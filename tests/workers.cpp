@@ -2,7 +2,7 @@
 // other or with the user.
 #include <cstdlib>
 
-#include "base/worker.h"
+#include "host/worker.h"
 
 namespace {
 

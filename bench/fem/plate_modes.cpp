@@ -10,7 +10,7 @@
 #include <iostream>
 #include <string>
 
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "dense/blas.h"
 #include "fem/assemble.h"
 #include "fem/factor/factorization.h"

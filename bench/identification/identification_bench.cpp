@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "identification/fit_data.h"
 #include "identification/gain_match.h"
 #include "identification/identified.h"

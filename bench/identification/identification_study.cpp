@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "identification/fit_data.h"
 #include "identification/identified.h"
 #include "identification/matrix_fraction.h"

@@ -7,7 +7,7 @@
 #include <Eigen/Dense>
 #include <map>
 
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "dense/blas.h"
 #include "fem/assemble.h"
 #include "fem/modes.h"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "placement/interpolation.h"
 #include "priors/interpolator.h"
 #include "simulators/tables/plate_corrections.h"

@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "base/index.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "dense/algebra.h"
 #include "dense/blas.h"
 #include "diagnosis/attached/loaded_damping.h"

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/index.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "dense/algebra.h"
 #include "diagnosis/attached/attachments.h"
 #include "diagnosis/search/experiments.h"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/index.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/modes/modes_look.h"
 

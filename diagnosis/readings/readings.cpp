@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/index.h"
 #include "base/interrupt.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/readings/bands.h"
 #include "diagnosis/readings/channels_read.h"

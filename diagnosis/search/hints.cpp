@@ -9,7 +9,7 @@
 
 #include "base/index.h"
 #include "base/interrupt.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "dense/blas.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/fit/information.h"

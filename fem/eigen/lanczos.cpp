@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "base/memory.h"
+#include "host/memory.h"
 #include "dense/panel_kernels.h"
 #include "fem/eigen/symmetric_product.h"
 #include "modal/repeated.h"

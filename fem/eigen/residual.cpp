@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/interrupt.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "fem/eigen/symmetric_product.h"
 
 namespace chladni::fem {

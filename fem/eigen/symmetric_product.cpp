@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/cpu_clones.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 
 namespace chladni::fem {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "base/index.h"
 #include "base/interrupt.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 
 namespace chladni::fem {
 namespace {

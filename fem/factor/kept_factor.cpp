@@ -3,7 +3,7 @@
 #include <bit>
 #include <cstring>
 
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "fem/factor/factorization.h"
 
 namespace chladni::fem {

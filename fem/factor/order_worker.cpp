@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "base/worker_stdio.h"
+#include "host/worker_stdio.h"
 #include "fem/factor/metis_order.h"
 
 int main() {

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <filesystem>
 
-#include "base/worker.h"
+#include "host/worker.h"
 #include "fem/factor/elimination_tree.h"
 #include "fem/factor/metis_order.h"
 

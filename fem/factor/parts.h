@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "dense/blocks.h"
 #include "fem/factor/elimination_tree.h"
 #include "fem/factor/storage.h"

@@ -2,7 +2,7 @@
 #include <numeric>
 
 #include "base/index.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "fem/factor/cholmod.h"
 #include "fem/factor/elimination_tree.h"
 #include "fem/factor/parts.h"

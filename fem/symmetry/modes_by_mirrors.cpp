@@ -7,7 +7,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "host/memory.h"
 #include "base/turn.h"
 #include "fem/eigen/found_modes.h"
 #include "fem/eigen/mode_checks.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/draw.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "dense/algebra.h"
 #include "dense/blas.h"
 #include "identification/likelihood/block_functions.h"

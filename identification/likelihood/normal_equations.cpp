@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "dense/algebra.h"
 #include "dense/blas.h"
 #include "identification/likelihood/equal_weights.h"

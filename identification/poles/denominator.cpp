@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "base/parallel.h"
+#include "host/parallel.h"
 
 namespace chladni::identification {
 namespace {

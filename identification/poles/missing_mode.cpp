@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "identification/constants.h"
 
 namespace chladni::identification {

@@ -8,7 +8,7 @@
 #include <set>
 #include <string_view>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 
 namespace chladni::io {

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <unordered_set>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "io/bytes/escape.h"
 

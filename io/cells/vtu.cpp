@@ -22,7 +22,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "io/bytes/escape.h"
 #include "io/cells/quadratic.h"

@@ -3,9 +3,9 @@
 
 #include <array>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
-#include "base/worker.h"
+#include "host/worker.h"
 #include "io/bytes/message.h"
 #include "io/cells/tets.h"
 #include "io/vtu.h"

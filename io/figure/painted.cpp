@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/worker.h"
+#include "host/worker.h"
 
 namespace chladni::io {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 
 namespace chladni::io {
 

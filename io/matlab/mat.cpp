@@ -19,9 +19,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
-#include "base/held_signal.h"
+#include "host/held_signal.h"
 #include "io/scan.h"
 
 namespace chladni::io {

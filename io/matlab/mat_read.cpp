@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
-#include "base/worker.h"
+#include "host/worker.h"
 #include "io/bytes/message.h"
 #include "io/mat.h"
 

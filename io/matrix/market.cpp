@@ -3,7 +3,7 @@
 #include <iterator>
 #include <ostream>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "io/matrix.h"
 
 namespace chladni::io {

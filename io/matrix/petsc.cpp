@@ -6,7 +6,7 @@
 #include <ostream>
 #include <vector>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "io/matrix.h"
 

@@ -1,6 +1,6 @@
 #include "io/frf_file.h"
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "io/matlab/frf_mat.h"
 #include "io/measured/frf_suspicions.h"
 #include "io/measured/measured_format.h"

@@ -1,6 +1,6 @@
 #include "io/measured/measured_format.h"
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "io/bytes/gzip.h"
 #include "io/bytes/room.h"

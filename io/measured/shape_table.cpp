@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "io/bytes/csv_table.h"
 #include "io/bytes/room.h"

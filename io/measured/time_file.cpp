@@ -1,6 +1,6 @@
 #include "io/time_file.h"
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "io/matlab/time_mat.h"
 #include "io/measured/measured_format.h"
 #include "io/uff/time_uff.h"

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/sha256.h"
 #include "io/bytes/escape.h"

@@ -9,7 +9,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "mesh/surface.h"
 

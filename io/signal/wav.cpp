@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 
 namespace chladni::io {

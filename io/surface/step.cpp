@@ -7,10 +7,10 @@
 #include <cctype>
 #include <cmath>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/quantity.h"
-#include "base/worker.h"
+#include "host/worker.h"
 #include "io/bytes/message.h"
 #include "io/scan.h"
 

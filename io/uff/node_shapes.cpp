@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "io/measured/measured_format.h"
 #include "io/uff/uff.h"

@@ -11,7 +11,7 @@
 #include <new>
 #include <string>
 
-#include "base/worker_stdio.h"
+#include "host/worker_stdio.h"
 #include "mesh/mesher/wire.h"
 
 namespace wire = chladni::mesh::wire;

@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "placement/interpolation.h"
 #include "placement/optimum/spacing.h"
 #include "placement/optimum/thinned.h"

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "dense/riccati.h"
 #include "placement/observer_layouts.h"
 #include "placement/optimum/spacing.h"

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 
-#include "base/parallel.h"
+#include "host/parallel.h"
 
 namespace chladni::priors {
 

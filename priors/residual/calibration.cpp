@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "priors/constants.h"
 
 namespace chladni::priors {

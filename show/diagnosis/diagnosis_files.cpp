@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "io/heat_map_picture.h"
 #include "io/vtu.h"
 #include "show/comparison.h"

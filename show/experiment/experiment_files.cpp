@@ -5,8 +5,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "base/atomic_file.h"
-#include "base/folder.h"
+#include "host/atomic_file.h"
+#include "host/folder.h"
 #include "io/csv.h"
 #include "io/plot.h"
 #include "io/time_file.h"

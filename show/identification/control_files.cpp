@@ -6,7 +6,7 @@
 #include <new>
 #include <optional>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "io/control_model.h"
 #include "show/control_models.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "io/frf_file.h"
 #include "io/mat.h"
 #include "modal/state_space.h"

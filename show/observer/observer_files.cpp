@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/turn.h"
 #include "io/control_model.h"
 #include "io/mat.h"

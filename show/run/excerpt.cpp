@@ -8,7 +8,7 @@
 #include <optional>
 #include <sstream>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 
 namespace chladni::show {

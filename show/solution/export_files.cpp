@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "fem/given_modes.h"
 #include "io/csv.h"

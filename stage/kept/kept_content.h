@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "base/cache.h"
+#include "host/cache.h"
 #include "base/error.h"
 
 namespace chladni::stage {

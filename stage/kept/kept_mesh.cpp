@@ -3,10 +3,10 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/loaded_code.h"
+#include "host/loaded_code.h"
 #include "base/packed.h"
 #include "base/sha256.h"
-#include "base/worker.h"
+#include "host/worker.h"
 #include "stage/kept/kept_content.h"
 
 namespace chladni::stage {

@@ -1,9 +1,9 @@
 #include "stage/kept/modes_bytes.h"
 
 #include "base/error.h"
-#include "base/loaded_code.h"
+#include "host/loaded_code.h"
 #include "base/packed.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "base/sha256.h"
 #include "dense/blas.h"
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "diagnosis/body_fields.h"
 #include "fem/field_matrices.h"
 #include "stage/plane_stress.h"

@@ -4,7 +4,7 @@
 #include <limits>
 #include <variant>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "io/json.h"
 #include "io/scan.h"

@@ -9,7 +9,7 @@
 #include <optional>
 #include <sstream>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/quantity.h"
 #include "study/device_arrays.h"

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <optional>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "study/extends.h"
 #include "study/schemas.h"

@@ -1,5 +1,5 @@
 // [diagnosis] of a study, and its tolerances.
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "study/schemas.h"
 #include "study/tables/tables.h"

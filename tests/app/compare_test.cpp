@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "io/frf_file.h"
 #include "io/json.h"

@@ -2,7 +2,7 @@
 #include <csignal>
 #include <cstdlib>
 
-#include "base/confinement.h"
+#include "host/confinement.h"
 #include "tests/app/program.h"
 
 namespace chladni::app {

@@ -1,7 +1,7 @@
 // --engine and [modes] engine of the program.
 #include <cstdlib>
 
-#include "base/worker.h"
+#include "host/worker.h"
 #include "io/json.h"
 #include "tests/app/program.h"
 

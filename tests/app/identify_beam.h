@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "app/command.h"
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/draw.h"
 #include "base/error.h"
 #include "identification/experiment/rigid_chain.h"

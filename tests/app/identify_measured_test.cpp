@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "app/command.h"
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "io/json.h"
 #include "quiet_run.h"
 #include "rotation/turn.h"

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "app/command.h"
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "io/json.h"
 #include "io/mat.h"

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "app/command.h"
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/turn.h"
 #include "identification/virtual_experiment.h"

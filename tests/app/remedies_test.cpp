@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "base/worker.h"
+#include "host/worker.h"
 #include "io/json.h"
 #include "tests/app/program.h"
 #include "tests/rotation/turn.h"

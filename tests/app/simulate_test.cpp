@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "app/command.h"
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "identification/experiment/rigid_chain.h"
 #include "identification/frf_estimate.h"

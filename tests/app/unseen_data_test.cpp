@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "app/command.h"
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "io/json.h"
 #include "io/time_file.h"

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "base/worker.h"
+#include "host/worker.h"
 #include "cluster/ranks.h"
 #include "fem/assemble.h"
 #include "mesh/bodies.h"

@@ -15,7 +15,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "base/worker.h"
+#include "host/worker.h"
 #include "fem/assemble.h"
 #include "mesh/bodies.h"
 #include "tests/cluster/exchange_folder.h"

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/index.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "diagnosis/diagnosed_modes.h"
 #include "diagnosis/effect.h"
 #include "diagnosis/modes/recorded_modes.h"

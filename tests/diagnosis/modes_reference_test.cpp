@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "diagnosis/diagnosed_modes.h"
 #include "diagnosis/effect.h"
 #include "diagnosis/modes/recorded_modes.h"

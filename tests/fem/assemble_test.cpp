@@ -8,7 +8,7 @@
 #include <random>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "fem/element/element_matrices.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"

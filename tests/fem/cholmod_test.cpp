@@ -9,7 +9,7 @@
 #include <random>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "fem/assemble.h"
 #include "fem/factor_check.h"
 #include "mesh/bodies.h"

@@ -13,7 +13,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "dense/blas.h"
 #include "fem/assemble.h"
 #include "fem/factor/elimination_tree.h"

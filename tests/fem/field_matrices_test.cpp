@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "fem/assemble.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"

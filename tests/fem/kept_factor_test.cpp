@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "fem/assemble.h"
 #include "fem/factor/factorization.h"
 #include "fem/modes.h"

@@ -5,7 +5,7 @@ set(fuzzed_parsers
   io/cells/inp_sets mesh/tets/boundary mesh/numbering mesh/tets/order mesh/patches
   mesh/tets/quality mesh/surface mesh/tets/triangle)
 set(fuzzed_measured
-  base/atomic_file base/control_group base/memory base/quantity modal/frf_set
+  host/atomic_file host/limits/control_group host/memory base/quantity modal/frf_set
   io/measured/channel_names io/bytes/csv io/bytes/csv_table io/measured/frf_csv io/uff/frf_uff
   io/measured/frf_units io/measured/measurable io/bytes/room io/bytes/scan io/measured/time_csv
   io/measured/measured_format io/bytes/gzip io/uff/node_shapes io/uff/time_uff io/uff/uff

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "fit_errors.h"
 #include "rotation/turn.h"
 #include "simulators/frf_bounds.h"

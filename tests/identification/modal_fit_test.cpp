@@ -7,7 +7,7 @@
 
 #include "base/draw.h"
 #include "base/error.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "fit_errors.h"
 #include "simulators/frf_bounds.h"
 #include "simulators/frf_cases.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "fit_errors.h"
 #include "identification/poles/residue_problem.h"
 #include "simulators/frf_bounds.h"

@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "base/error.h"
-#include "base/worker.h"
+#include "host/worker.h"
 #include "io/mat.h"
 #include "io/vtu.h"
 

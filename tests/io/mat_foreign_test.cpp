@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/draw.h"
 #include "base/error.h"
 #include "io/frf_file.h"

@@ -11,7 +11,7 @@
 #include <map>
 #include <numbers>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/draw.h"
 #include "base/error.h"
 #include "io/frf_file.h"

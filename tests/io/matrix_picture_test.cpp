@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "rotation/turn.h"
 

@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "io/json.h"
 #include "io/mat.h"

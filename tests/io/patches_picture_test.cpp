@@ -10,7 +10,7 @@
 #include <cmath>
 #include <set>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "io/figure/colours.h"
 #include "io/figure/seen_parts.h"

@@ -11,9 +11,9 @@
 #include <functional>
 #include <numbers>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
-#include "base/worker.h"
+#include "host/worker.h"
 #include "io/bytes/message.h"
 #include "io/figure/colours.h"
 #include "mesh/bodies.h"

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/draw.h"
 #include "base/error.h"
 #include "io/figure/plot_axis.h"

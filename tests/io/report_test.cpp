@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <regex>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/sha256.h"
 #include "io/bytes/escape.h"

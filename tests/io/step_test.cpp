@@ -10,7 +10,7 @@
 #include <map>
 #include <numbers>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "io/read.h"
 #include "mesh/tetrahedralize.h"

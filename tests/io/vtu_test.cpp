@@ -16,7 +16,7 @@
 #include <numbers>
 #include <random>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "mesh/bodies.h"
 #include "mesh/surface.h"

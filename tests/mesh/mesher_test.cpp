@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "base/worker.h"
+#include "host/worker.h"
 #include "mesh/mesher/wire.h"
 #include "said.h"
 #include "shapes.h"

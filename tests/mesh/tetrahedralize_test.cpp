@@ -10,7 +10,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "base/worker.h"
+#include "host/worker.h"
 #include "mesh/bodies.h"
 #include "mesh/mesher/wire.h"
 #include "rotation/turn.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "priors/interpolator.h"
 #include "rotation/turn.h"
 #include "simulators/tables/plate_corrections.h"

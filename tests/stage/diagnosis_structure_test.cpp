@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "diagnosed_plate.h"
 #include "diagnosis/body_fields.h"
 #include "modal/frf.h"

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "stage/at_channels.h"
 #include "stage/solution.h"
 

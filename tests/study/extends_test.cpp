@@ -7,7 +7,7 @@
 #include <fstream>
 #include <set>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
 #include "steps/extend/extended_study.h"
 #include "study/problems.h"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/index.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "diagnosis/constants.h"
 
 namespace chladni::diagnosis {

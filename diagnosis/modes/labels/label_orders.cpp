@@ -11,7 +11,7 @@
 
 #include "base/draw.h"
 #include "base/index.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/modes/partner.h"
 #include "modal/pairing.h"

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/index.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/modes/specimens/specimen_constants.h"
 

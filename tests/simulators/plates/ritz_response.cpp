@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 #include "simulators/plates/gauss_rule.h"
 
 namespace chladni::simulators {

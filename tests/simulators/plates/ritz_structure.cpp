@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "host/parallel.h"
 
 namespace chladni::simulators {
 namespace {

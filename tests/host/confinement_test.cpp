@@ -1,4 +1,4 @@
-#include "base/confinement.h"
+#include "host/confinement.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "base/worker.h"
+#include "host/worker.h"
 
 namespace chladni {
 namespace {

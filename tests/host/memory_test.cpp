@@ -1,4 +1,4 @@
-#include "base/memory.h"
+#include "host/memory.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

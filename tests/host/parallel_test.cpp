@@ -1,4 +1,4 @@
-#include "base/parallel.h"
+#include "host/parallel.h"
 
 #include <gtest/gtest.h>
 

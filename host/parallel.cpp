@@ -1,4 +1,4 @@
-#include "base/parallel.h"
+#include "host/parallel.h"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/control_group.h"
+#include "host/limits/control_group.h"
 #include "base/error.h"
 
 namespace chladni {

@@ -1,4 +1,4 @@
-#include "base/call_filter.h"
+#include "host/limits/call_filter.h"
 
 #include <fcntl.h>
 #include <linux/audit.h>

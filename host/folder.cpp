@@ -1,4 +1,4 @@
-#include "base/folder.h"
+#include "host/folder.h"
 
 #include <dirent.h>
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <system_error>
 
-#include "base/worker.h"
+#include "host/worker.h"
 
 namespace chladni {
 namespace {

@@ -1,4 +1,4 @@
-#include "base/memory.h"
+#include "host/memory.h"
 
 #include <fmt/format.h>
 #include <malloc.h>
@@ -11,7 +11,7 @@
 #include <limits>
 #include <string>
 
-#include "base/control_group.h"
+#include "host/limits/control_group.h"
 #include "base/error.h"
 
 namespace chladni {

@@ -1,4 +1,4 @@
-#include "base/cache.h"
+#include "host/cache.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -14,9 +14,9 @@
 #include <system_error>
 #include <thread>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
-#include "base/folder.h"
+#include "host/folder.h"
 #include "base/interrupt.h"
 #include "base/sha256.h"
 

@@ -1,4 +1,4 @@
-#include "base/worker.h"
+#include "host/worker.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

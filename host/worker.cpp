@@ -1,4 +1,4 @@
-#include "base/worker.h"
+#include "host/worker.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -19,10 +19,10 @@
 #include <thread>
 #include <utility>
 
-#include "base/confinement.h"
-#include "base/held_signal.h"
+#include "host/confinement.h"
+#include "host/held_signal.h"
 #include "base/interrupt.h"
-#include "base/memory.h"
+#include "host/memory.h"
 
 namespace chladni {
 namespace {

@@ -1,4 +1,4 @@
-#include "base/confinement.h"
+#include "host/confinement.h"
 
 #include <fcntl.h>
 #include <linux/close_range.h>
@@ -18,7 +18,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "base/call_filter.h"
+#include "host/limits/call_filter.h"
 
 namespace chladni {
 namespace {

@@ -22,7 +22,7 @@ struct WorkerLimits {
   std::size_t output_bytes = std::size_t{4} << 30U;
   /// SIGTERM comes so long before SIGKILL, for a program that has others to end. 0: none comes.
   std::chrono::milliseconds grace{0};
-  /// Whether it is confined (base/confinement.h), as what meets foreign bytes should be, with the
+  /// Whether it is confined (host/confinement.h), as what meets foreign bytes should be, with the
   /// files that it may read. Not for a program that starts others or needs a display.
   bool confined = false;
   std::vector<std::filesystem::path> files{};

@@ -1,5 +1,5 @@
 // Results that are kept in a folder: what comes back is what was put there, or nothing.
-#include "base/cache.h"
+#include "host/cache.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -11,9 +11,9 @@
 #include <fstream>
 #include <thread>
 
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 #include "base/error.h"
-#include "base/loaded_code.h"
+#include "host/loaded_code.h"
 #include "base/packed.h"
 
 namespace chladni {

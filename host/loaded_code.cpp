@@ -1,4 +1,4 @@
-#include "base/loaded_code.h"
+#include "host/loaded_code.h"
 
 #include <elf.h>
 #include <link.h>

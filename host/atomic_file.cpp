@@ -1,4 +1,4 @@
-#include "base/atomic_file.h"
+#include "host/atomic_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/held_signal.h"
+#include "host/held_signal.h"
 
 namespace chladni {
 namespace {

@@ -7,8 +7,8 @@
 #include <sstream>
 #include <vector>
 
-#include "base/folder.h"
-#include "base/parallel.h"
+#include "host/folder.h"
+#include "host/parallel.h"
 #include "base/quantity.h"
 #include "tests/failing_new.h"
 
