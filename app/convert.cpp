@@ -7,8 +7,8 @@
 #include <ostream>
 
 #include "app/command.h"
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "io/frf_file.h"
 #include "io/read.h"
 #include "io/vtu.h"

@@ -9,10 +9,10 @@
 #include <string>
 
 #include "app/command.h"
-#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/quantity.h"
+#include "host/atomic_file.h"
 #include "show/first_study.h"
 #include "study/named_materials.h"
 

@@ -5,9 +5,9 @@
 #include <filesystem>
 
 #include "app/command.h"
-#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/sha256.h"
+#include "host/atomic_file.h"
 #include "io/frf_file.h"
 #include "io/time_file.h"
 #include "stage/solution.h"

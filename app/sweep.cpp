@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "app/exit_code.h"
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "host/parallel.h"
 #include "study/sweep_plan.h"
 #include "sweep/gathered.h"

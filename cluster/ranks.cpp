@@ -12,9 +12,9 @@
 
 #include "base/error.h"
 #include "base/turn.h"
-#include "host/worker.h"
 #include "cluster/reply.h"
 #include "fem/given_modes.h"
+#include "host/worker.h"
 #include "io/matrix.h"
 
 namespace chladni::cluster {

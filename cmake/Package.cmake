@@ -2,7 +2,7 @@
 include(CMakePackageConfigHelpers)
 
 set(CHLADNI_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/chladni)
-set(CHLADNI_COMPONENTS base host dense mesh modal fem priors placement identification io)
+set(CHLADNI_COMPONENTS base host dense mesh modal fem priors placement recordings identification io)
 
 foreach(room ${CHLADNI_COMPONENTS})
   install(TARGETS chladni_${room} EXPORT chladni_${room} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}

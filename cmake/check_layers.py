@@ -8,29 +8,29 @@ import pathlib
 import re
 import sys
 
+GROUND = "base host dense mesh modal"
+CORE = f"{GROUND} fem priors placement recordings identification diagnosis"
 MAY_INCLUDE = {
     "base": "",
     "host": "base",
     "dense": "base host",
     "mesh": "base host",
-    "modal": "base dense mesh",
-    "fem": "base host dense mesh modal",
-    "priors": "base host dense mesh modal",
-    "placement": "base host dense mesh modal priors",
-    "identification": "base host dense mesh modal priors",
-    "diagnosis": "base host dense mesh modal fem priors identification",
-    "io": "base host dense mesh modal fem priors placement identification diagnosis",
-    "cluster": "base host dense mesh modal fem io",
-    "study": "base host dense mesh modal fem priors placement identification diagnosis io",
-    "stage": "base host dense mesh modal fem priors placement identification diagnosis io cluster study",
-    "steps": "base host dense mesh modal fem priors placement identification diagnosis io cluster study stage",
-    "show": "base host dense mesh modal fem priors placement identification diagnosis io cluster study stage steps",
-    "sweep": "base host dense mesh modal fem priors placement identification diagnosis io cluster study stage "
-             "steps show",
-    "app": "base host dense mesh modal fem priors placement identification diagnosis io cluster study stage "
-           "steps show sweep",
-    "python": "base host dense mesh modal fem priors placement identification diagnosis io study stage "
-              "steps show sweep app",
+    "modal": "base host dense mesh",
+    "fem": GROUND,
+    "priors": GROUND,
+    "placement": f"{GROUND} priors",
+    "recordings": GROUND,
+    "identification": f"{GROUND} priors recordings",
+    "diagnosis": f"{GROUND} fem priors recordings identification",
+    "io": CORE,
+    "cluster": f"{GROUND} fem io",
+    "study": f"{CORE} io",
+    "stage": f"{CORE} io cluster study",
+    "steps": f"{CORE} io cluster study stage",
+    "show": f"{CORE} io cluster study stage steps",
+    "sweep": f"{CORE} io cluster study stage steps show",
+    "app": f"{CORE} io cluster study stage steps show sweep",
+    "python": f"{CORE} io study stage steps show sweep app",
 }
 DOORS = {
     r"udunits2": ["base/quantity.cpp"],
@@ -46,7 +46,7 @@ DOORS = {
     r"nlohmann/": ["io/bytes/json.cpp"],
     r"matio": ["io/matlab/mat.cpp", "io/matlab/mat_worker.cpp"],
     r"zlib": ["io/bytes/gzip.cpp"],
-    r"fftw3": ["identification/estimate/fft.cpp"],
+    r"fftw3": ["recordings/estimate/fft.cpp"],
     r".*\.hxx": ["io/surface/step*.cpp"],
     r"pybind11/": ["python/*.cpp", "python/*.h"],
     r"nlopt": ["priors/gaussian_process/optimum.cpp"],

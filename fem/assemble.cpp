@@ -9,9 +9,9 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "host/parallel.h"
 #include "fem/body/rigid_body.h"
 #include "fem/element/element_matrices.h"
+#include "host/parallel.h"
 
 namespace chladni::fem {
 namespace {

@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "base/interrupt.h"
-#include "host/parallel.h"
 #include "fem/element/bubbles.h"
 #include "fem/element/element_matrices.h"
+#include "host/parallel.h"
 
 namespace chladni::fem {
 namespace {

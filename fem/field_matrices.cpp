@@ -2,10 +2,10 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "host/parallel.h"
 #include "dense/blas.h"
 #include "dense/blocks.h"
 #include "fem/element/element_matrices.h"
+#include "host/parallel.h"
 
 namespace chladni::fem {
 namespace {

@@ -10,8 +10,6 @@
 #include <string>
 
 #include "base/error.h"
-#include "host/memory.h"
-#include "host/parallel.h"
 #include "base/turn.h"
 #include "fem/eigen/certificate.h"
 #include "fem/eigen/found_modes.h"
@@ -19,6 +17,8 @@
 #include "fem/eigen/mode_checks.h"
 #include "fem/eigen/residual.h"
 #include "fem/factor/factorization.h"
+#include "host/memory.h"
+#include "host/parallel.h"
 
 namespace chladni::fem {
 namespace {

@@ -14,11 +14,11 @@
 #include <system_error>
 #include <thread>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
-#include "host/folder.h"
 #include "base/interrupt.h"
 #include "base/sha256.h"
+#include "host/atomic_file.h"
+#include "host/folder.h"
 
 namespace chladni {
 namespace {

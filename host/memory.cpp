@@ -11,8 +11,8 @@
 #include <limits>
 #include <string>
 
-#include "host/limits/control_group.h"
 #include "base/error.h"
+#include "host/limits/control_group.h"
 
 namespace chladni {
 namespace {

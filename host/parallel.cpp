@@ -16,8 +16,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/limits/control_group.h"
 #include "base/error.h"
+#include "host/limits/control_group.h"
 
 namespace chladni {
 namespace {

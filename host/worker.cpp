@@ -19,9 +19,9 @@
 #include <thread>
 #include <utility>
 
+#include "base/interrupt.h"
 #include "host/confinement.h"
 #include "host/held_signal.h"
-#include "base/interrupt.h"
 #include "host/memory.h"
 
 namespace chladni {

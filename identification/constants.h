@@ -229,37 +229,6 @@ struct Constants {
   /// Part of the power of that line from which a response supports it [1] (chosen, cc38859).
   static constexpr double sole_response = 0.01;
 
-  // Responses from records.
-  /// Lines over which the power of a decay is averaged [lines] (chosen, 4e93688).
-  static constexpr Eigen::Index decay_group = 16;
-  /// Number of such groups that decide on the decays, the clearest ones [groups] (chosen, 4e93688).
-  static constexpr std::size_t decay_groups = 64;
-  /// Shift of the mean by a decay above which a further period is dropped [deviations] (chosen,
-  /// 4e93688).
-  static constexpr double decay_tolerated = 0.1;
-  /// Evidence of a decay above which it is believed [deviations] (chosen, 4e93688).
-  static constexpr double decay_significant = 6.0;
-  /// Least power of the noise of an output over the power of the output [1] (chosen, 4e93688).
-  static constexpr double least_noise_power = 1e-8;
-  /// Condition of a sensitivity above which a line is noted [1] (chosen, f38379f).
-  static constexpr double hard_to_invert = 1e3;
-  /// Least singular value of a sensitivity below which a line is noted [deviations] (chosen,
-  /// f38379f).
-  static constexpr double clear_sensitivity = 3.0;
-  /// Freedom of a variance that the average over lines aims at [degrees of freedom] (chosen,
-  /// 4e93688).
-  static constexpr double enough_freedom = 14.0;
-  /// Most lines on each side over which variances are averaged [lines] (chosen, 4e93688).
-  static constexpr Eigen::Index most_smoothing = 5;
-  /// Frequency above which folding is noted [sampling frequencies] (chosen, 4e93688).
-  static constexpr double folds_from = 0.4;
-  /// Force outside the window over its peak above which a second hit is noted [1] (chosen,
-  /// f38379f).
-  static constexpr double double_hit = 0.05;
-  /// Response in the last twentieth of a record over its largest value above which a note asks for
-  /// a longer record [1] (chosen, f38379f).
-  static constexpr double at_rest = 0.02;
-
   // Gains.
   /// Part of an imaginary shape that damping between modes need not explain [1] (chosen, fa3f565).
   static constexpr double imaginary_slack = 0.02;

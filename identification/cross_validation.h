@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "identification/frf_estimate.h"
 #include "identification/modal_fit.h"
-#include "identification/time_data.h"
 #include "identification/validation.h"
+#include "recordings/frf_estimate.h"
+#include "recordings/time_data.h"
 
 namespace chladni::identification {
 
@@ -26,7 +26,8 @@ struct Folds {
 };
 
 /// The estimate of recordings in open loop or in a loop: frf_estimate, closed_loop_estimate.
-using Estimator = std::function<FrfEstimate(const Spectra&, const FrfEstimateOptions&)>;
+using Estimator = std::function<recordings::FrfEstimate(const recordings::Spectra&,
+                                                        const recordings::FrfEstimateOptions&)>;
 
 /// Each realisation in turn; of more than 10 every tenth one together. Where there is one only, its
 /// stretches of two periods or more in turn, of four periods and more.
@@ -37,8 +38,8 @@ using Estimator = std::function<FrfEstimate(const Spectra&, const FrfEstimateOpt
 /// @param dropped  periods that the estimate of all dropped
 /// @throws InvalidInput  as the estimator
 /// Cost: that of the estimator, twice per fold.
-[[nodiscard]] Folds folds(const TimeData& data, const Spectra& all,
-                          const FrfEstimateOptions& options, Eigen::Index dropped,
+[[nodiscard]] Folds folds(const recordings::TimeData& data, const recordings::Spectra& all,
+                          const recordings::FrfEstimateOptions& options, Eigen::Index dropped,
                           const Estimator& estimator);
 
 /// What fits that did not see some data say of them, beside the noise that is expected there.

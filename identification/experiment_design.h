@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "identification/experiment/excitation.h"
 #include "modal/frf.h"
 #include "modal/reduced_model.h"
+#include "recordings/excitation.h"
 
 namespace chladni::identification {
 
@@ -27,8 +27,8 @@ struct DesignModel {
 struct DesignPlan {
   double sample_time_s = 0.0;
   double low_hz = 0.0, high_hz = 0.0;  ///< the band, with both ends
-  ExcitedLines lines = ExcitedLines::all;
-  InputScheme scheme = InputScheme::one_at_a_time;
+  recordings::ExcitedLines lines = recordings::ExcitedLines::all;
+  recordings::InputScheme scheme = recordings::InputScheme::one_at_a_time;
   Eigen::VectorXd sensor_noise;  ///< p: rms per sample, white, in the sensor's unit
   double noise_ratio = 0.0;      ///< instead: rms over that of the sensor's response
   double process_noise_n = 0.0;  ///< rms per sample on each actuator, not recorded
@@ -73,11 +73,11 @@ struct Force {
 struct ExperimentDesign {
   Eigen::Index period = 0;  ///< samples
   double sample_time_s = 0.0;
-  Eigen::VectorXd line_hz;                  ///< K, of the first realisation
-  Eigen::MatrixXd amplitude;                ///< K×q [N]: of the sine on each line
-  std::vector<ExperimentSet> realisations;  ///< signals [N], one period each
-  Eigen::Index settle = 1;                  ///< periods before those recorded
-  Eigen::Index periods = 2;                 ///< recorded in each experiment
+  Eigen::VectorXd line_hz;                              ///< K, of the first realisation
+  Eigen::MatrixXd amplitude;                            ///< K×q [N]: of the sine on each line
+  std::vector<recordings::ExperimentSet> realisations;  ///< signals [N], one period each
+  Eigen::Index settle = 1;                              ///< periods before those recorded
+  Eigen::Index periods = 2;                             ///< recorded in each experiment
   Eigen::Index ramp = 0;  ///< samples in which the force rises at the start and falls at the end
   double crest_factor = 0.0;
   double low_crest_factor = 0.0;  ///< that optimised phases have, first realisation; 0: not tried

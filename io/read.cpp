@@ -5,9 +5,9 @@
 #include <array>
 #include <new>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/quantity.h"
+#include "host/atomic_file.h"
 #include "io/scan.h"
 #include "io/surface/step.h"
 #include "io/vtu.h"

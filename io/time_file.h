@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "identification/time_data.h"
 #include "io/bytes/room.h"
+#include "recordings/time_data.h"
 
 namespace chladni::io {
 
@@ -24,7 +24,7 @@ struct TimeOptions {
 
 struct TimeFile {
   std::string format;  ///< "CSV", "UFF 58", "MAT 5"
-  identification::TimeData data;
+  recordings::TimeData data;
   std::vector<std::string> notes;
 };
 
@@ -36,7 +36,7 @@ struct TimeFile {
 /// @param version  of a .mat
 /// @throws InvalidInput  another ending, or a name that the format cannot hold
 [[nodiscard]] std::vector<std::string> write_time(const std::filesystem::path& file,
-                                                  const identification::TimeData& data,
+                                                  const recordings::TimeData& data,
                                                   MatVersion version = {});
 
 /// Reads the bytes of a CSV file. Its columns are named after channels; columns `time_s`,
@@ -48,7 +48,7 @@ struct TimeFile {
                                       const TimeOptions& options = {});
 
 /// A CSV text that parse_time_csv reads back to the last bit, except for units.
-[[nodiscard]] std::string time_csv(const identification::TimeData& data);
+[[nodiscard]] std::string time_csv(const recordings::TimeData& data);
 
 enum class Side { output, input, reference };
 

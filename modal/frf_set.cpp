@@ -174,6 +174,12 @@ void check(const FrfSet& set) {
               " degrees of freedom, expected 0 or more");
 }
 
+std::vector<std::string> names_of(const std::vector<MeasuredChannel>& channels) {
+  std::vector<std::string> names;
+  for (const auto& channel : channels) names.push_back(channel.name);
+  return names;
+}
+
 FrfSet converted(const FrfSet& set, FrfKind kind) {
   bool integrated = false;
   for (const auto& output : set.outputs) integrated = integrated || steps_of(output.kind, kind) < 0;

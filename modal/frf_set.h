@@ -47,6 +47,9 @@ struct FrfSet {
 ///                       not ascending; the message names the place
 void check(const FrfSet& set);
 
+/// The names of channels, in their order.
+[[nodiscard]] std::vector<std::string> names_of(const std::vector<MeasuredChannel>& channels);
+
 /// The same set with every output as `kind`. A line at 0 Hz is left out if it cannot be integrated.
 /// Variances are converted, the coherence stays.
 [[nodiscard]] FrfSet converted(const FrfSet& set, FrfKind kind);

@@ -10,12 +10,12 @@
 #include <optional>
 
 #include "base/error.h"
-#include "identification/frf_estimate.h"
 #include "io/frf_file.h"
 #include "io/time_file.h"
 #include "python/frf_arrays.h"
 #include "python/long_call.h"
 #include "python/rooms.h"
+#include "recordings/frf_estimate.h"
 #include "steps/identification.h"
 
 namespace chladni::python {
@@ -234,7 +234,7 @@ void add_frf(py::module_& module) {
 }
 
 void add_recordings(py::module_& module) {
-  using identification::Record;
+  using recordings::Record;
   py::class_<Record>(module, "Record", "One recording of N samples. Arrays are views.")
       .def_readonly("outputs", &Record::outputs, "N x p")
       .def_readonly("inputs", &Record::inputs, "N x q")
@@ -265,7 +265,7 @@ void add_recordings(py::module_& module) {
           "frf",
           [](const TimeFile& file, double low_hz, double high_hz) {
             const LongCall call;
-            auto found = identification::frf_estimate(
+            auto found = recordings::frf_estimate(
                 file.data, {.drop = {}, .low_hz = low_hz, .high_hz = high_hz, .smooth_lines = {}});
             return std::make_shared<FrfFile>(
                 FrfFile{file.format, std::move(found.set), std::move(found.notes)});

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "base/error.h"
+#include "dense/blas.h"
 #include "host/parallel.h"
 #include "host/worker.h"
-#include "dense/blas.h"
 #include "python/rooms.h"
 #include "show/version.h"
 

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/cache.h"
 #include "base/progress.h"
+#include "host/cache.h"
 
 namespace chladni::stage {
 

@@ -7,8 +7,8 @@
 
 #include "identification/experiment_design.h"
 #include "identification/hammer_design.h"
-#include "identification/time_data.h"
 #include "placement/sites.h"
+#include "recordings/time_data.h"
 #include "stage/solution.h"
 
 namespace chladni::steps {
@@ -39,8 +39,8 @@ void require_design(const study::Study& study);
 
 /// One period of every experiment and realisation, as commands: in N, or in V where the study says
 /// how many newtons a volt gives.
-[[nodiscard]] identification::TimeData excitation_of(
-    const study::Study& study, const identification::ExperimentDesign& design);
+[[nodiscard]] recordings::TimeData excitation_of(const study::Study& study,
+                                                 const identification::ExperimentDesign& design);
 
 /// What is played in one experiment, samples×q, as commands: identification::sequence.
 /// @throws InvalidInput  there is no such realisation or experiment, both counted from 0

@@ -9,11 +9,11 @@
 
 #include "identification/channel_gains.h"
 #include "identification/cross_validation.h"
-#include "identification/data_quality.h"
 #include "identification/identified.h"
 #include "identification/trust.h"
 #include "identification/validation.h"
 #include "modal/frf_set.h"
+#include "recordings/data_quality.h"
 #include "stage/solution.h"
 
 namespace chladni::steps {
@@ -23,8 +23,8 @@ namespace chladni::steps {
 struct MeasuredFrfs {
   std::string file;
   modal::FrfSet all;
-  std::vector<Eigen::Index> outputs, inputs;           ///< channels that a fit may use
-  std::optional<identification::DataQuality> quality;  ///< of recordings
+  std::vector<Eigen::Index> outputs, inputs;       ///< channels that a fit may use
+  std::optional<recordings::DataQuality> quality;  ///< of recordings
   double added_decay =
       0.0;  ///< [rad/s] by an exponential window: in the responses, not in the model
   identification::Folds folds;  ///< of periodic recordings, where they were wanted

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "identification/observed_plant.h"
-#include "identification/time_data.h"
 #include "modal/kalman_filter.h"
 #include "modal/learned_noise.h"
+#include "recordings/time_data.h"
 #include "steps/interpolation.h"
 
 namespace chladni::steps {

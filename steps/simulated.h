@@ -1,8 +1,8 @@
 // The virtual laboratory of a study: its bench and its results.
 #pragma once
 
-#include "identification/frf_estimate.h"
-#include "identification/virtual_experiment.h"
+#include "recordings/frf_estimate.h"
+#include "recordings/virtual_experiment.h"
 #include "stage/solution.h"
 #include "stage/work.h"
 #include "study/study.h"
@@ -10,11 +10,11 @@
 namespace chladni::steps {
 
 struct Bench {
-  identification::VirtualRig rig;
-  identification::VirtualExperimentPlan plan;
-  identification::TimeData excitation;  ///< of a file, one period each; no records: drawn anew
-  std::vector<std::string> notes;       ///< assumptions that were made
-  Eigen::Index modes = 0;               ///< in the structure; 0: the chain, which has all its poles
+  recordings::VirtualRig rig;
+  recordings::VirtualExperimentPlan plan;
+  recordings::TimeData excitation;  ///< of a file, one period each; no records: drawn anew
+  std::vector<std::string> notes;   ///< assumptions that were made
+  Eigen::Index modes = 0;           ///< in the structure; 0: the chain, which has all its poles
 };
 
 /// @throws InvalidInput  no sensor or actuator, a free body without a loop, a chain that is not the
@@ -22,8 +22,8 @@ struct Bench {
 [[nodiscard]] Bench bench_of(const study::Study& study, stage::Work& work);
 
 struct Simulated {
-  identification::FrfEstimate estimate;  ///< compensated as the study asks
-  identification::TimeData recordings;   ///< if the study asks for them
+  recordings::FrfEstimate estimate;  ///< compensated as the study asks
+  recordings::TimeData recordings;   ///< if the study asks for them
   double crest_factor = 0.0;
   double phase_delay_s = 0.0, phase_delay_std_s = 0.0;  ///< seen in the phases, before compensation
 };

@@ -4,10 +4,10 @@
 #include <string_view>
 #include <system_error>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
-#include "host/folder.h"
 #include "base/sha256.h"
+#include "host/atomic_file.h"
+#include "host/folder.h"
 #include "io/json.h"
 
 namespace chladni::study {

@@ -3,9 +3,9 @@
 #include <set>
 #include <system_error>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/sha256.h"
+#include "host/atomic_file.h"
 #include "study/device_arrays.h"
 #include "study/extends.h"
 #include "study/named_materials.h"

@@ -8,8 +8,8 @@
 #include <set>
 #include <utility>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "study/problems.h"
 #include "study/toml/table_reader.h"
 

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 
 namespace chladni::sweep {
 namespace {

@@ -6,9 +6,9 @@
 #include <system_error>
 #include <utility>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/sha256.h"
+#include "host/atomic_file.h"
 #include "host/worker.h"
 #include "show/version.h"
 #include "study/origin.h"

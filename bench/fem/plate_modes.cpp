@@ -10,11 +10,11 @@
 #include <iostream>
 #include <string>
 
-#include "host/parallel.h"
 #include "dense/blas.h"
 #include "fem/assemble.h"
 #include "fem/factor/factorization.h"
 #include "fem/modes.h"
+#include "host/parallel.h"
 #include "mesh/bodies.h"
 
 namespace chladni::bench {

@@ -7,10 +7,10 @@
 #include <Eigen/Dense>
 #include <map>
 
-#include "host/parallel.h"
 #include "dense/blas.h"
 #include "fem/assemble.h"
 #include "fem/modes.h"
+#include "host/parallel.h"
 #include "mesh/bodies.h"
 #include "placement/determinant.h"
 #include "placement/interpolation.h"

@@ -19,7 +19,7 @@ namespace {
 using Indices = std::vector<Eigen::Index>;
 
 /// Flexible modes at the channels that were measured, ascending in frequency.
-struct Seen {
+struct ModesAtChannels {
   Indices column;  // in the model
   Eigen::VectorXd frequency_hz;
   Eigen::MatrixXd outputs, inputs;  // rows that were measured × modes
@@ -57,7 +57,8 @@ std::vector<bool> in_view(const modal::ReducedModel& model, const Channels& chan
   return seen;
 }
 
-Seen seen(const modal::ReducedModel& model, const Channels& channels, const Indices& columns) {
+ModesAtChannels at_channels(const modal::ReducedModel& model, const Channels& channels,
+                            const Indices& columns) {
   return {columns, model.frequency_hz(columns), model.output_shapes(channels.outputs, columns),
           model.input_shapes(columns, channels.inputs).transpose()};
 }
@@ -94,8 +95,8 @@ std::string why_no_mode(const identification::ModalFit& fit, Eigen::Index m,
   return supported ? "" : "its shape is within three deviations of zero";
 }
 
-Seen measured_modes(const identification::ModalFit& fit, const Channels& channels,
-                    const ComparisonOptions& options, ModeComparison& result) {
+ModesAtChannels measured_modes(const identification::ModalFit& fit, const Channels& channels,
+                               const ComparisonOptions& options, ModeComparison& result) {
   const auto columns = flexible(fit.model);
   const auto view = in_view(fit.model, channels, columns);
   Indices kept;
@@ -108,12 +109,12 @@ Seen measured_modes(const identification::ModalFit& fit, const Channels& channel
       result.no_modes.push_back({columns[k], fit.model.frequency_hz(columns[k]), std::move(why)});
     }
   }
-  return seen(fit.model, channels, kept);
+  return at_channels(fit.model, channels, kept);
 }
 
 // Modes that may be partners of those measured in the band.
-Seen simulated_modes(const modal::ReducedModel& model, const Channels& channels,
-                     ModeComparison& result) {
+ModesAtChannels simulated_modes(const modal::ReducedModel& model, const Channels& channels,
+                                ModeComparison& result) {
   const auto columns = flexible(model);
   const auto view = in_view(model, channels, columns);
   Indices kept;
@@ -127,15 +128,15 @@ Seen simulated_modes(const modal::ReducedModel& model, const Channels& channels,
       result.simulated_unseen.push_back({columns[k], f, {}});
     }
   }
-  return seen(model, channels, kept);
+  return at_channels(model, channels, kept);
 }
 
-modal::Modes as_modes(const Seen& of, const Eigen::MatrixXd& shapes) {
+modal::Modes as_modes(const ModesAtChannels& of, const Eigen::MatrixXd& shapes) {
   return {of.frequency_hz, Eigen::VectorXd::Zero(of.frequency_hz.size()), shapes, 0};
 }
 
 // MAC at the sensors times MAC at the actuators; repeated modes use their subspace.
-Eigen::MatrixXd likeness(const Seen& a, const Seen& b, double gap) {
+Eigen::MatrixXd likeness(const ModesAtChannels& a, const ModesAtChannels& b, double gap) {
   return modal::alike(as_modes(a, a.outputs), as_modes(b, b.outputs), gap)
       .cwiseProduct(modal::alike(as_modes(a, a.inputs), as_modes(b, b.inputs), gap));
 }
@@ -149,7 +150,7 @@ Indices group_of(const Eigen::VectorXd& frequency_hz, double gap) {
   return number;
 }
 
-double confusion(const Seen& a, double gap) {
+double confusion(const ModesAtChannels& a, double gap) {
   const auto groups = group_of(a.frequency_hz, gap);
   const Eigen::MatrixXd alike = likeness(a, a, gap);
   double sum = 0.0;
@@ -171,7 +172,7 @@ struct Likeness {
   Eigen::MatrixXd mac, apart;  // apart: |ln of the frequencies' ratio|
 };
 
-Likeness likeness_of(const Seen& a, const Seen& b, double gap) {
+Likeness likeness_of(const ModesAtChannels& a, const ModesAtChannels& b, double gap) {
   Likeness result{likeness(a, b, gap), {}};
   result.apart = (b.frequency_hz.array().log().transpose().replicate(a.frequency_hz.size(), 1) -
                   a.frequency_hz.array().log().replicate(1, b.frequency_hz.size()))
@@ -245,9 +246,10 @@ Eigen::VectorXd comac(const modal::Pairing& pairing, const Eigen::VectorXd& freq
   return modal::comac(a, b);
 }
 
-void set_pairs(const modal::Pairing& pairing, const Likeness& like, const Seen& a, const Seen& b,
-               const modal::ReducedModel& simulated, const identification::ModalFit& fit,
-               const ComparisonOptions& options, ModeComparison& result) {
+void set_pairs(const modal::Pairing& pairing, const Likeness& like, const ModesAtChannels& a,
+               const ModesAtChannels& b, const modal::ReducedModel& simulated,
+               const identification::ModalFit& fit, const ComparisonOptions& options,
+               ModeComparison& result) {
   const auto group = group_of(a.frequency_hz, options.repeated_gap);
   std::vector<bool> paired_a(a.column.size(), false);
   std::vector<bool> paired_b(b.column.size(), false);
@@ -271,7 +273,7 @@ void set_pairs(const modal::Pairing& pairing, const Likeness& like, const Seen& 
 }
 
 // On entry `simulated_modes` are rows of a; on return they are columns of the model.
-void set_mac(const Seen& a, const Seen& b, ModeComparison& result) {
+void set_mac(const ModesAtChannels& a, const ModesAtChannels& b, ModeComparison& result) {
   const Indices rows = result.simulated_modes;
   result.simulated_hz.clear();
   for (auto& mode : result.simulated_modes) {
@@ -303,11 +305,11 @@ ModeComparison compared(const modal::ReducedModel& simulated, const identificati
   result.output_comac = Eigen::VectorXd::Constant(p, NAN);
   result.input_comac = Eigen::VectorXd::Constant(q, NAN);
   if (channels.outputs.empty() || channels.inputs.empty()) return result;
-  const Seen b = measured_modes(fit, channels, options, result);
+  const ModesAtChannels b = measured_modes(fit, channels, options, result);
   const double last = b.column.empty() ? 0.0 : kConstants.beyond_last * b.frequency_hz.maxCoeff();
   result.low_hz = options.low_hz;
   result.high_hz = std::isfinite(options.high_hz) ? options.high_hz : last;
-  const Seen a = simulated_modes(simulated, channels, result);
+  const ModesAtChannels a = simulated_modes(simulated, channels, result);
   if (a.column.empty()) {
     for (const auto m : b.column) {
       result.measured_alone.push_back({m, fit.model.frequency_hz(m), {}});

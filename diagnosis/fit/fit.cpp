@@ -11,13 +11,13 @@
 
 #include "base/error.h"
 #include "base/index.h"
-#include "host/parallel.h"
 #include "dense/algebra.h"
 #include "dense/blas.h"
 #include "diagnosis/attached/loaded_damping.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/fit/information.h"
 #include "diagnosis/search/quadratic.h"
+#include "host/parallel.h"
 
 namespace chladni::diagnosis {
 namespace {

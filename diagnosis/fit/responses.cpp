@@ -8,10 +8,10 @@
 
 #include "base/error.h"
 #include "base/index.h"
-#include "host/parallel.h"
 #include "dense/algebra.h"
 #include "diagnosis/attached/attachments.h"
 #include "diagnosis/search/experiments.h"
+#include "host/parallel.h"
 
 namespace chladni::diagnosis {
 namespace {

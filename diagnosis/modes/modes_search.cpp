@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "base/index.h"
-#include "host/parallel.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/modes/modes_look.h"
+#include "host/parallel.h"
 
 namespace chladni::diagnosis {
 namespace {

@@ -10,10 +10,10 @@
 #include "base/error.h"
 #include "base/index.h"
 #include "base/interrupt.h"
-#include "host/parallel.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/readings/bands.h"
 #include "diagnosis/readings/channels_read.h"
+#include "host/parallel.h"
 
 namespace chladni::diagnosis {
 namespace {

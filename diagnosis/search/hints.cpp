@@ -9,11 +9,11 @@
 
 #include "base/index.h"
 #include "base/interrupt.h"
-#include "host/parallel.h"
 #include "dense/blas.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/fit/information.h"
 #include "diagnosis/search/probe.h"
+#include "host/parallel.h"
 
 namespace chladni::diagnosis {
 namespace {

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "base/index.h"
-#include "host/parallel.h"
 #include "diagnosis/constants.h"
+#include "host/parallel.h"
 
 namespace chladni::diagnosis {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "host/parallel.h"
 #include "dense/blas.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/fit/deviations.h"
@@ -22,6 +21,7 @@
 #include "diagnosis/search/simpler.h"
 #include "diagnosis/search/starts.h"
 #include "diagnosis/search/without_causes.h"
+#include "host/parallel.h"
 
 namespace chladni::diagnosis {
 namespace {

@@ -11,9 +11,9 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "host/memory.h"
 #include "dense/panel_kernels.h"
 #include "fem/eigen/symmetric_product.h"
+#include "host/memory.h"
 #include "modal/repeated.h"
 
 namespace chladni::fem {

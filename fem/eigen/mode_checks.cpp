@@ -9,8 +9,8 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "host/parallel.h"
 #include "fem/eigen/symmetric_product.h"
+#include "host/parallel.h"
 
 namespace chladni::fem {
 namespace {

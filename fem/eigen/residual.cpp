@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/interrupt.h"
-#include "host/parallel.h"
 #include "fem/eigen/symmetric_product.h"
+#include "host/parallel.h"
 
 namespace chladni::fem {
 namespace {

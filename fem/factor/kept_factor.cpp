@@ -3,8 +3,8 @@
 #include <bit>
 #include <cstring>
 
-#include "host/parallel.h"
 #include "fem/factor/factorization.h"
+#include "host/parallel.h"
 
 namespace chladni::fem {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <exception>
 
-#include "host/worker_stdio.h"
 #include "fem/factor/metis_order.h"
+#include "host/worker_stdio.h"
 
 int main() {
   try {

@@ -3,9 +3,9 @@
 #include <chrono>
 #include <filesystem>
 
-#include "host/worker.h"
 #include "fem/factor/elimination_tree.h"
 #include "fem/factor/metis_order.h"
+#include "host/worker.h"
 
 namespace chladni::fem {
 namespace {

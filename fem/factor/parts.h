@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "host/parallel.h"
 #include "dense/blocks.h"
 #include "fem/factor/elimination_tree.h"
 #include "fem/factor/storage.h"
+#include "host/parallel.h"
 
 namespace chladni::fem {
 

@@ -2,10 +2,10 @@
 #include <numeric>
 
 #include "base/index.h"
-#include "host/parallel.h"
 #include "fem/factor/cholmod.h"
 #include "fem/factor/elimination_tree.h"
 #include "fem/factor/parts.h"
+#include "host/parallel.h"
 
 namespace chladni::fem {
 namespace {

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "base/error.h"
-#include "host/memory.h"
 #include "base/turn.h"
 #include "fem/eigen/found_modes.h"
 #include "fem/eigen/mode_checks.h"
@@ -15,6 +14,7 @@
 #include "fem/eigen/symmetric_product.h"
 #include "fem/factor/factorization.h"
 #include "fem/symmetry/symmetry_class.h"
+#include "host/memory.h"
 #include "modal/repeated.h"
 
 namespace chladni::fem {

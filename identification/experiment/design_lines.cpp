@@ -54,15 +54,15 @@ Eigen::Index period_for(const modal::ReducedModel& model, const DesignPlan& plan
 DesignLines design_lines(const DesignModel& model, const DesignPlan& plan, Eigen::Index period,
                          unsigned seed) {
   Draw draw(seed);
-  const auto drawn = multisine({.period = period,
-                                .sample_time_s = plan.sample_time_s,
-                                .low_hz = plan.low_hz,
-                                .high_hz = plan.high_hz,
-                                .lines = plan.lines,
-                                .rms = 1.0,
-                                .shape_hz = {},
-                                .shape = {}},
-                               draw);
+  const auto drawn = recordings::multisine({.period = period,
+                                            .sample_time_s = plan.sample_time_s,
+                                            .low_hz = plan.low_hz,
+                                            .high_hz = plan.high_hz,
+                                            .lines = plan.lines,
+                                            .rms = 1.0,
+                                            .shape_hz = {},
+                                            .shape = {}},
+                                           draw);
   DesignLines lines{.period = period, .index = drawn.lines, .hz = {}, .hold = {}, .response = {}};
   const auto count = static_cast<Eigen::Index>(lines.index.size());
   lines.hz.resize(count);
@@ -111,7 +111,7 @@ Eigen::MatrixXd noise_power(const DesignModel& model, const DesignPlan& plan,
 }
 
 double excitations(const DesignPlan& plan, Eigen::Index inputs) {
-  return plan.scheme == InputScheme::orthogonal ? static_cast<double>(inputs) : 1.0;
+  return plan.scheme == recordings::InputScheme::orthogonal ? static_cast<double>(inputs) : 1.0;
 }
 
 }  // namespace chladni::identification

@@ -1,4 +1,4 @@
-#include "identification/expected_fit.h"
+#include "identification/experiment/expected_fit.h"
 
 #include <fmt/format.h>
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/turn.h"
-#include "identification/expected_fit.h"
+#include "identification/experiment/expected_fit.h"
 
 namespace chladni::identification {
 namespace {

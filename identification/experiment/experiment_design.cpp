@@ -9,11 +9,11 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/turn.h"
-#include "identification/estimate/fft.h"
-#include "identification/expected_fit.h"
 #include "identification/experiment/amplitude_shape.h"
 #include "identification/experiment/design_lines.h"
+#include "identification/experiment/expected_fit.h"
 #include "identification/experiment/expected_quality.h"
+#include "recordings/fft.h"
 
 namespace chladni::identification {
 namespace {
@@ -41,10 +41,11 @@ void check(const DesignModel& model, const DesignPlan& plan) {
 }
 
 // One plan per input with the shape of K×q powers |U|²; rms 1.
-std::vector<MultisinePlan> multisines(const DesignPlan& plan, const DesignLines& lines,
-                                      const Eigen::MatrixXd& power, const Eigen::VectorXd& rms,
-                                      int crest_iterations) {
-  std::vector<MultisinePlan> result;
+std::vector<recordings::MultisinePlan> multisines(const DesignPlan& plan, const DesignLines& lines,
+                                                  const Eigen::MatrixXd& power,
+                                                  const Eigen::VectorXd& rms,
+                                                  int crest_iterations) {
+  std::vector<recordings::MultisinePlan> result;
   for (Eigen::Index j = 0; j < power.cols(); ++j) {
     result.push_back({.period = lines.period,
                       .sample_time_s = plan.sample_time_s,
@@ -59,10 +60,10 @@ std::vector<MultisinePlan> multisines(const DesignPlan& plan, const DesignLines&
   return result;
 }
 
-std::vector<ExperimentSet> drawn(const std::vector<MultisinePlan>& plans, const DesignPlan& plan,
-                                 int count, unsigned seed) {
+std::vector<recordings::ExperimentSet> drawn(const std::vector<recordings::MultisinePlan>& plans,
+                                             const DesignPlan& plan, int count, unsigned seed) {
   Draw draw(seed);
-  std::vector<ExperimentSet> sets;
+  std::vector<recordings::ExperimentSet> sets;
   for (int r = 0; r < count; ++r) {
     throw_if_interrupted();
     sets.push_back(experiments(plans, plan.scheme, draw));
@@ -72,14 +73,18 @@ std::vector<ExperimentSet> drawn(const std::vector<MultisinePlan>& plans, const 
 
 // Peak displacements of all outputs in the steady state of one experiment.
 Eigen::VectorXd peaks_of(const DesignModel& model, const DesignLines& lines,
-                         const ExperimentSet& set, std::size_t e) {
-  const Eigen::MatrixXcd force = fourier(set.inputs[e]);
+                         const recordings::ExperimentSet& set, std::size_t e) {
+  const Eigen::MatrixXcd force = recordings::fourier(set.inputs[e]);
   Eigen::MatrixXcd moved = Eigen::MatrixXcd::Zero(force.rows(), model.model.output_count());
   for (std::size_t k = 0; k < lines.index.size(); ++k) {
     moved.row(lines.index[k]) =
         (lines.response[k] * force.row(lines.index[k]).transpose()).transpose();
   }
-  return inverse_fourier(moved, lines.period).cwiseAbs().colwise().maxCoeff().transpose();
+  return recordings::inverse_fourier(moved, lines.period)
+      .cwiseAbs()
+      .colwise()
+      .maxCoeff()
+      .transpose();
 }
 
 // The rms of each force that keeps all limits, its margin taken off, and what limits it.
@@ -91,7 +96,7 @@ struct Levels {
 };
 
 Levels levels_of(const DesignModel& model, const DesignPlan& plan, const DesignLines& lines,
-                 const std::vector<ExperimentSet>& unit) {
+                 const std::vector<recordings::ExperimentSet>& unit) {
   const auto q = model.model.input_count();
   const double force_limit = plan.margin * plan.force_limit_n;
   const double stroke_limit = plan.margin * plan.stroke_limit_m;
@@ -106,7 +111,7 @@ Levels levels_of(const DesignModel& model, const DesignPlan& plan, const DesignL
     }
   }
   Levels levels{.rms = Eigen::VectorXd(q), .peak = {}, .stroke = {}, .by_stroke = {}};
-  const bool together = plan.scheme == InputScheme::orthogonal;
+  const bool together = plan.scheme == recordings::InputScheme::orthogonal;
   const double worst = force_peak.maxCoeff();
   for (Eigen::Index j = 0; j < q; ++j) {
     const double by_force = force_limit / (together ? worst : force_peak(j));
@@ -249,7 +254,8 @@ void set_signals(const DesignModel& model, const DesignPlan& plan, const DesignL
                              .peak_n = levels.peak(j),
                              .limited_by_stroke = levels.by_stroke[static_cast<std::size_t>(j)]});
   }
-  const bool can_lower = plan.scheme == InputScheme::one_at_a_time || differ_in_sign_only(q);
+  const bool can_lower =
+      plan.scheme == recordings::InputScheme::one_at_a_time || recordings::differ_in_sign_only(q);
   if (plan.crest_iterations == 0 && can_lower) {
     design.low_crest_factor =
         drawn(multisines(plan, lines, best.shape, one, kCrestSteps), plan, 1, seed)

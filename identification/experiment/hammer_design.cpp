@@ -9,9 +9,9 @@
 
 #include "base/error.h"
 #include "base/turn.h"
-#include "identification/expected_fit.h"
 #include "identification/experiment/amplitude_shape.h"
 #include "identification/experiment/design_lines.h"
+#include "identification/experiment/expected_fit.h"
 #include "identification/experiment/expected_quality.h"
 
 namespace chladni::identification {

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "base/draw.h"
-#include "host/parallel.h"
 #include "dense/algebra.h"
 #include "dense/blas.h"
+#include "host/parallel.h"
 #include "identification/likelihood/block_functions.h"
 
 namespace chladni::identification {

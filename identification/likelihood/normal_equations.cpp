@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/parallel.h"
 #include "dense/algebra.h"
 #include "dense/blas.h"
+#include "host/parallel.h"
 #include "identification/likelihood/equal_weights.h"
 #include "identification/likelihood/response_products.h"
 
@@ -110,9 +110,7 @@ Eigen::MatrixXd undelayed(const Target& target, const BlockModel& model, const F
 
 }  // namespace
 
-double Target::noise_level(double cost) const {
-  return std::max(cost / expected_cost, 1e-300);
-}
+double Target::noise_level(double cost) const { return std::max(cost / expected_cost, 1e-300); }
 
 Target target(const FitData& data, double scale) {
   Target result{

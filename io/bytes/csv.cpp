@@ -8,8 +8,8 @@
 #include <set>
 #include <string_view>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 
 namespace chladni::io {
 namespace {

@@ -12,8 +12,8 @@
 #include <string_view>
 #include <unordered_set>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "io/bytes/escape.h"
 
 namespace chladni::io {

@@ -22,8 +22,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "io/bytes/escape.h"
 #include "io/cells/quadratic.h"
 #include "mesh/surface.h"

@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "host/worker.h"
 #include "io/bytes/message.h"
 #include "io/cells/tets.h"

@@ -19,8 +19,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "host/held_signal.h"
 #include "io/scan.h"
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "host/worker.h"
 #include "io/bytes/message.h"
 #include "io/mat.h"

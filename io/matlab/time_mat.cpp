@@ -15,7 +15,7 @@ namespace chladni::io {
 namespace {
 
 using Index = Eigen::Index;
-using identification::Record;
+using recordings::Record;
 
 constexpr std::array<const char*, 3> kVariable{"y", "u", "r"};
 constexpr std::array<const char*, 3> kSide{"output", "input", "reference"};
@@ -186,7 +186,7 @@ class RecordReader {
 
   const MatFields& fields_;
   const TimeOptions& options_;
-  identification::TimeData& data_;
+  recordings::TimeData& data_;
   std::vector<std::string>& notes_;
   Index samples_ = 0, records_ = 1;
 };
@@ -203,7 +203,7 @@ TimeFile time_of_mat(const MatFile& file, const std::string& name, const TimeOpt
   return result;
 }
 
-MatFields mat_of_time(const identification::TimeData& data) {
+MatFields mat_of_time(const recordings::TimeData& data) {
   MatFields fields;
   const auto records = static_cast<Index>(data.records.size());
   const Index samples = data.records.empty() ? 0 : data.records.front().outputs.rows();

@@ -19,6 +19,6 @@ namespace chladni::io {
 
 /// Variables that time_of_mat reads back to the last bit.
 /// @throws InvalidInput  the records differ in length
-[[nodiscard]] MatFields mat_of_time(const identification::TimeData& data);
+[[nodiscard]] MatFields mat_of_time(const recordings::TimeData& data);
 
 }  // namespace chladni::io

@@ -6,8 +6,8 @@
 #include <ostream>
 #include <vector>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "io/matrix.h"
 
 namespace chladni::io {

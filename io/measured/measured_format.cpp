@@ -1,7 +1,7 @@
 #include "io/measured/measured_format.h"
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "io/bytes/gzip.h"
 #include "io/bytes/room.h"
 #include "io/scan.h"

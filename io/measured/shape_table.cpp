@@ -6,8 +6,8 @@
 #include <limits>
 #include <map>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "io/bytes/csv_table.h"
 #include "io/bytes/room.h"
 #include "io/csv.h"

@@ -38,7 +38,7 @@ Index* special(const std::string& name, RecordLayout& layout) {
   return nullptr;
 }
 
-std::vector<modal::MeasuredChannel>& channels_of(identification::TimeData& data, Side side) {
+std::vector<modal::MeasuredChannel>& channels_of(recordings::TimeData& data, Side side) {
   return side == Side::output ? data.outputs : side == Side::input ? data.inputs : data.references;
 }
 
@@ -305,9 +305,9 @@ std::string column_name(const modal::MeasuredChannel& channel, Side side) {
   return word;
 }
 
-void add_columns(const identification::TimeData& data, Side side,
+void add_columns(const recordings::TimeData& data, Side side,
                  const std::vector<modal::MeasuredChannel>& channels,
-                 Eigen::MatrixXd identification::Record::*of, Index rows,
+                 Eigen::MatrixXd recordings::Record::*of, Index rows,
                  std::vector<CsvColumn>& columns) {
   for (std::size_t c = 0; c < channels.size(); ++c) {
     Eigen::VectorXd entries(rows);
@@ -322,7 +322,7 @@ void add_columns(const identification::TimeData& data, Side side,
 
 }  // namespace
 
-std::string time_csv(const identification::TimeData& data) {
+std::string time_csv(const recordings::TimeData& data) {
   Index rows = 0;
   for (const auto& record : data.records) rows += record.outputs.rows();
   Eigen::VectorXd time(rows);
@@ -344,7 +344,7 @@ std::string time_csv(const identification::TimeData& data) {
     columns.push_back({"realisation", realisation});
   }
   if (data.period > 0) columns.push_back({"period", period});
-  using identification::Record;
+  using recordings::Record;
   add_columns(data, Side::output, data.outputs, &Record::outputs, rows, columns);
   add_columns(data, Side::input, data.inputs, &Record::inputs, rows, columns);
   add_columns(data, Side::reference, data.references, &Record::references, rows, columns);

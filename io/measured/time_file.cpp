@@ -21,7 +21,7 @@ TimeFile read_time(const std::filesystem::path& file, const TimeOptions& options
 }
 
 std::vector<std::string> write_time(const std::filesystem::path& file,
-                                    const identification::TimeData& data, MatVersion version) {
+                                    const recordings::TimeData& data, MatVersion version) {
   switch (written_format(file)) {
     case MeasuredFormat::csv:
       write_atomically(file, time_csv(data));

@@ -6,9 +6,9 @@
 
 #include <algorithm>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/sha256.h"
+#include "host/atomic_file.h"
 #include "io/bytes/escape.h"
 #include "io/report/page_files.h"
 #include "io/report/report_blocks.h"

@@ -9,8 +9,8 @@
 #include <array>
 #include <cmath>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "mesh/surface.h"
 
 namespace chladni::io {

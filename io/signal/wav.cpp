@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <string>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 
 namespace chladni::io {
 namespace {

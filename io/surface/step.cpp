@@ -7,9 +7,9 @@
 #include <cctype>
 #include <cmath>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/quantity.h"
+#include "host/atomic_file.h"
 #include "host/worker.h"
 #include "io/bytes/message.h"
 #include "io/scan.h"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "io/measured/measured_format.h"
 #include "io/uff/uff.h"
 #include "io/uff/uff_channels.h"

@@ -17,7 +17,7 @@ namespace chladni::io {
 namespace {
 
 using Index = Eigen::Index;
-using identification::Record;
+using recordings::Record;
 constexpr std::string_view kSide = "side: ", kPeriod = "period: ";
 constexpr std::array<std::string_view, 3> kSides{"output", "input", "reference"};
 constexpr std::array<Eigen::MatrixXd Record::*, 3> kParts{&Record::outputs, &Record::inputs,
@@ -269,7 +269,7 @@ TimeFile parse_time_uff(std::string_view bytes, const std::string& name,
   return RecordCollector(uff, name, options).file();
 }
 
-std::string time_uff(const identification::TimeData& data, UffEncoding encoding) {
+std::string time_uff(const recordings::TimeData& data, UffEncoding encoding) {
   std::string text = uff_head("recordings", {});
   const std::array sides{&data.outputs, &data.inputs, &data.references};
   UffFunction function;

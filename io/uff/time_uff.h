@@ -19,6 +19,6 @@ namespace chladni::io {
 
 /// A universal file in SI with 13 digits (text) or all digits (binary).
 /// @throws InvalidInput  a name has more than 60 letters or a line end
-[[nodiscard]] std::string time_uff(const identification::TimeData& data, UffEncoding encoding);
+[[nodiscard]] std::string time_uff(const recordings::TimeData& data, UffEncoding encoding);
 
 }  // namespace chladni::io

@@ -10,8 +10,8 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "host/parallel.h"
 #include "dense/riccati.h"
+#include "host/parallel.h"
 #include "placement/observer_layouts.h"
 #include "placement/optimum/spacing.h"
 #include "placement/optimum/thinned.h"

@@ -6,8 +6,8 @@
 #include <new>
 #include <optional>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "io/control_model.h"
 #include "show/control_models.h"
 

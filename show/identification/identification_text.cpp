@@ -19,12 +19,6 @@ namespace {
 
 std::string percent(double part) { return fmt::format("{:.3g} %", 100.0 * part); }
 
-std::vector<std::string> names_of(const std::vector<modal::MeasuredChannel>& channels) {
-  std::vector<std::string> names;
-  for (const auto& channel : channels) names.push_back(channel.name);
-  return names;
-}
-
 const char* matched_by(identification::MatchedBy by) {
   switch (by) {
     case identification::MatchedBy::pairs:
@@ -182,17 +176,18 @@ io::MatFields matlab_variables(const study::Study& study, const steps::Identifie
   const auto& fit = model.found.fit;
   const auto space = fit.complex ? identification::state_space(fit.model, *fit.complex)
                                  : modal::state_space(extended);
-  io::MatFields fields{{"A", space.a},
-                       {"B", space.b},
-                       {"C", space.c},
-                       {"D", space.d},
-                       {"delay_s", fit.delay_s},
-                       {"outputs", fit.complex ? names_of(model.seen.outputs) : row_names(model)},
-                       {"inputs", names_of(model.seen.inputs)},
-                       {"frequency_hz", Eigen::MatrixXd(extended.frequency_hz)},
-                       {"damping_ratio", Eigen::MatrixXd(extended.damping_ratio)},
-                       {"modes_within", numbers_of(steps::modes_within(model))},
-                       {"title", study.title}};
+  io::MatFields fields{
+      {"A", space.a},
+      {"B", space.b},
+      {"C", space.c},
+      {"D", space.d},
+      {"delay_s", fit.delay_s},
+      {"outputs", fit.complex ? modal::names_of(model.seen.outputs) : row_names(model)},
+      {"inputs", modal::names_of(model.seen.inputs)},
+      {"frequency_hz", Eigen::MatrixXd(extended.frequency_hz)},
+      {"damping_ratio", Eigen::MatrixXd(extended.damping_ratio)},
+      {"modes_within", numbers_of(steps::modes_within(model))},
+      {"title", study.title}};
   if (fit.complex) {
     fields.emplace_back("L", fit.complex->outputs);
     fields.emplace_back("R", fit.complex->inputs);
@@ -285,8 +280,8 @@ io::JsonObject identified_json(const steps::IdentifiedModel& model) {
     }
   }
   io::JsonObject json{{"damping", fit.complex ? "general" : "modal"},
-                      {"sensors", io::Json::texts(names_of(model.seen.outputs))},
-                      {"actuators", io::Json::texts(names_of(model.seen.inputs))},
+                      {"sensors", io::Json::texts(modal::names_of(model.seen.outputs))},
+                      {"actuators", io::Json::texts(modal::names_of(model.seen.inputs))},
                       {"modes", io::json_rows(identified_modes_table(model))},
                       {"output_matrix", io::Json::rows(fit.model.output_shapes)},
                       {"input_matrix", io::Json::rows(fit.model.input_shapes)},

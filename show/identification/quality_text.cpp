@@ -10,7 +10,7 @@
 namespace chladni::show {
 namespace {
 
-using identification::DataQuality;
+using recordings::DataQuality;
 
 // "distortion below the response: even 62.1 dB, odd 48.3 dB; noise 70.2 dB"
 std::string detection_text(const DataQuality& quality) {

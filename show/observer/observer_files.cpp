@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/atomic_file.h"
 #include "base/turn.h"
+#include "host/atomic_file.h"
 #include "io/control_model.h"
 #include "io/mat.h"
 #include "io/plot.h"

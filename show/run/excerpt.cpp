@@ -8,8 +8,8 @@
 #include <optional>
 #include <sstream>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 
 namespace chladni::show {
 namespace {
@@ -171,8 +171,8 @@ io::Json error_json(const std::string& message, int exit,
   io::JsonArray ways;
   for (const auto& remedy : remedies) ways.push_back(remedy_json(remedy));
   if (!ways.empty()) error.emplace_back("remedies", std::move(ways));
-  auto all = result.empty() ? io::JsonObject{}
-                            : std::get<io::JsonObject>(io::parse_json(result).value());
+  auto all =
+      result.empty() ? io::JsonObject{} : std::get<io::JsonObject>(io::parse_json(result).value());
   all.emplace_back("error", std::move(error));
   return all;
 }

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <system_error>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
 #include "fem/given_modes.h"
+#include "host/atomic_file.h"
 #include "io/csv.h"
 #include "io/matrix.h"
 #include "mesh/site.h"

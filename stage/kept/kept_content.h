@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "host/cache.h"
 #include "base/error.h"
+#include "host/cache.h"
 
 namespace chladni::stage {
 

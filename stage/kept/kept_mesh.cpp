@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "base/error.h"
-#include "host/loaded_code.h"
 #include "base/packed.h"
 #include "base/sha256.h"
+#include "host/loaded_code.h"
 #include "host/worker.h"
 #include "stage/kept/kept_content.h"
 

@@ -1,11 +1,11 @@
 #include "stage/kept/modes_bytes.h"
 
 #include "base/error.h"
-#include "host/loaded_code.h"
 #include "base/packed.h"
-#include "host/parallel.h"
 #include "base/sha256.h"
 #include "dense/blas.h"
+#include "host/loaded_code.h"
+#include "host/parallel.h"
 
 namespace chladni::stage {
 namespace {

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "host/parallel.h"
 #include "diagnosis/body_fields.h"
 #include "fem/field_matrices.h"
+#include "host/parallel.h"
 #include "stage/plane_stress.h"
 #include "stage/reduction/modal_stiffness.h"
 

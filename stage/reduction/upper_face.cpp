@@ -14,7 +14,7 @@ namespace {
 constexpr int kScan = 350;       // places on a face
 constexpr int kScanAlong = 100;  // along a line
 constexpr int kSamples = 4;      // per side of a rectangle, to measure its covered part
-constexpr double kStep = 1e-3;   // step for a slope, over the mean size of the mesh's faces
+constexpr double kSlopeStep = 1e-3;   // step for a slope, over the mean size of the mesh's faces
 constexpr double kLeastPart = 0.5 / (kSamples * kSamples);  // covered, if no sample hits the body
 
 // The boundary alone, in the chart's coordinates, with new node numbers; `kept` has the old ones.
@@ -44,7 +44,7 @@ double step_of_slopes(const mesh::TetMesh& shell) {
     const Eigen::Vector3d c = shell.points.row(face(2));
     area += 0.5 * (b - a).cross(c - a).norm();
   }
-  return kStep * std::sqrt(area / static_cast<double>(shell.faces.rows()));
+  return kSlopeStep * std::sqrt(area / static_cast<double>(shell.faces.rows()));
 }
 
 Eigen::VectorXd value_at(const mesh::Site& site, const Eigen::MatrixXd& motion) {

@@ -27,12 +27,6 @@ constexpr double kOneAxis = 1.0 - 1e-9;  // cosine of axes that lie along each o
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kToldLevels = {
     {{"frequency", "frequencies"}, {"shape", "shapes"}, {"damping", "damping ratios"}}};
 
-std::vector<std::string> names_of(const std::vector<modal::MeasuredChannel>& channels) {
-  std::vector<std::string> names;
-  for (const auto& one : channels) names.push_back(one.name);
-  return names;
-}
-
 // A calibrated constant in the form that an extension of a study takes.
 diagnosis::Cause as_cause(const diagnosis::CalibratedNumber& constant) {
   diagnosis::Cause cause;
@@ -61,8 +55,9 @@ std::string reason_in_words(const diagnosis::Diagnosis& by_modes) {
 std::optional<diagnosis::MeasuredModes> modes_of_fit(const Diagnosed& one, bool scaled) {
   if (!one.identified) return std::nullopt;
   const auto& lines = one.seen.frequency_hz;
-  auto modes = diagnosis::measured_modes(*one.identified, names_of(one.seen.outputs),
-                                         names_of(one.seen.inputs), lines(0), lines.tail(1)(0));
+  auto modes =
+      diagnosis::measured_modes(*one.identified, modal::names_of(one.seen.outputs),
+                                modal::names_of(one.seen.inputs), lines(0), lines.tail(1)(0));
   modes.scaled = scaled;
   if (modes.count() == 0) return std::nullopt;
   return modes;

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/turn.h"
-#include "identification/hammer.h"
+#include "recordings/hammer.h"
 
 namespace chladni::steps {
 namespace {
@@ -58,7 +58,7 @@ std::vector<Eigen::Index> places_of(const std::vector<modal::MeasuredChannel>& w
 // A fit whose modes decay faster: what a window has done to the responses of a second record.
 ModalFit with_decay(ModalFit fit, double added) {
   if (added == 0.0) return fit;
-  const auto poles = identification::true_poles(identification::start_at(fit.model).pole, -added);
+  const auto poles = recordings::true_poles(identification::start_at(fit.model).pole, -added);
   for (Eigen::Index k = 0; k < poles.size(); ++k) {
     fit.model.frequency_hz(k) = std::abs(poles(k)) / kTwoPi;
     fit.model.damping_ratio(k) = -poles(k).real() / std::abs(poles(k));

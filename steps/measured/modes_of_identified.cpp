@@ -4,8 +4,8 @@
 #include <limits>
 #include <variant>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "io/json.h"
 #include "io/scan.h"
 #include "steps/measured/modes_of_files.h"

@@ -7,15 +7,15 @@
 
 #include "base/error.h"
 #include "base/turn.h"
-#include "identification/closed_loop.h"
 #include "identification/delay.h"
-#include "identification/frf_estimate.h"
-#include "identification/hammer.h"
+#include "recordings/closed_loop.h"
+#include "recordings/frf_estimate.h"
+#include "recordings/hammer.h"
 
 namespace chladni::steps {
 namespace {
 
-using identification::TimeData;
+using recordings::TimeData;
 
 TimeData recordings_of(const study::Study& study, stage::Work& work) {
   const auto& plan = *study.measurement;
@@ -27,8 +27,7 @@ TimeData recordings_of(const study::Study& study, stage::Work& work) {
   return read_recordings(study, plan.time, std::move(options), work).data;
 }
 
-void refuse_losses(const study::MeasurementPlan& plan,
-                   const identification::RecordingFaults& faults) {
+void refuse_losses(const study::MeasurementPlan& plan, const recordings::RecordingFaults& faults) {
   if (faults.lost.empty()) return;
   std::string text = plan.time.string() + ": " + faults.lost.front();
   if (faults.lost.size() > 1) {
@@ -40,7 +39,7 @@ void refuse_losses(const study::MeasurementPlan& plan,
 void estimate_blows(const study::MeasurementPlan& plan, const TimeData& data,
                     std::vector<std::string>& notes, RecordedFrfs& result) {
   const auto& how = plan.recording;
-  auto hits = identification::hammer_estimate(
+  auto hits = recordings::hammer_estimate(
       data, {.force_window_s = how.force_window, .exponential_s = how.exponential_window});
   notes = std::move(hits.notes);
   result.set = how.hammer == "h2" ? std::move(hits.h2) : std::move(hits.h1);
@@ -82,11 +81,12 @@ void take_off_hold(const TimeData& data, RecordedFrfs& result) {
 }
 
 // The estimate of all recordings, and where they are wanted those of their parts.
-identification::FrfEstimate estimate_of(const TimeData& data,
-                                        const identification::FrfEstimateOptions& options,
-                                        bool with_folds, RecordedFrfs& result) {
-  using namespace identification;
-  const Estimator estimator = [&](const Spectra& spectra, const FrfEstimateOptions& how) {
+recordings::FrfEstimate estimate_of(const TimeData& data,
+                                    const recordings::FrfEstimateOptions& options, bool with_folds,
+                                    RecordedFrfs& result) {
+  using namespace recordings;
+  const identification::Estimator estimator = [&](const Spectra& spectra,
+                                                  const FrfEstimateOptions& how) {
     return data.references.empty() ? frf_estimate(spectra, how)
                                    : closed_loop_estimate(spectra, how).estimate;
   };
@@ -99,7 +99,7 @@ identification::FrfEstimate estimate_of(const TimeData& data,
     estimate.notes.push_back(std::string("nothing is left out in turn: ") + failure.what());
   };
   try {
-    result.folds = folds(data, all, options, estimate.dropped, estimator);
+    result.folds = identification::folds(data, all, options, estimate.dropped, estimator);
   } catch (const InvalidInput& failure) {
     none(failure);
   } catch (const NumericalFailure& failure) {
@@ -115,7 +115,7 @@ void estimate_periods(const study::MeasurementPlan& plan, const TimeData& data, 
           plan.time.string() +
               ": windows and h2 are for blows of a hammer, and these recordings "
               "are periodic; expected neither");
-  identification::FrfEstimateOptions options;
+  recordings::FrfEstimateOptions options;
   options.remove_transient =
       how.transient == "remove" && data.records.front().outputs.rows() >= 2 * data.period;
   auto estimate = estimate_of(data, options, with_folds, result);
@@ -127,16 +127,16 @@ void estimate_periods(const study::MeasurementPlan& plan, const TimeData& data, 
                   estimate.periods + estimate.dropped, estimate.dropped,
                   options.remove_transient ? "; the transient of the start is taken off" : ""));
   if (how.inputs == "commands") take_off_hold(data, result);
-  const auto all = identification::spectra(data);
+  const auto all = recordings::spectra(data);
   // Trends are looked for where no transient is left: after the first period at least.
   const auto drop = std::max<Eigen::Index>(estimate.dropped, estimate.transient.seen ? 2 : 1);
-  quality.detection = identification::detection_levels(all, drop);
-  quality.drift = identification::period_drift(identification::excited_part(all, {}), drop);
+  quality.detection = recordings::detection_levels(all, drop);
+  quality.drift = recordings::period_drift(recordings::excited_part(all, {}), drop);
 }
 
 std::string verdict_of(const RecordedFrfs& result) {
   const auto& quality = *result.quality;
-  std::string text = identification::trusted_bands(result.set, quality.bands);
+  std::string text = recordings::trusted_bands(result.set, quality.bands);
   if (!quality.faults.clipped.empty()) text += "; clipped: " + quality.faults.clipped.front();
   return text;
 }
@@ -158,7 +158,7 @@ RecordedFrfs recorded_frfs(const study::Study& study, stage::Work& work, bool wi
   const auto data = recordings_of(study, work);
   RecordedFrfs result;
   result.quality.emplace();
-  result.quality->faults = identification::recording_faults(data);
+  result.quality->faults = recordings::recording_faults(data);
   refuse_losses(plan, result.quality->faults);
   for (const auto& fault : result.quality->faults.clipped) {
     work.warn(plan.time.string() + ": " + fault);
@@ -176,7 +176,7 @@ RecordedFrfs recorded_frfs(const study::Study& study, stage::Work& work, bool wi
     }
   }
   for (const auto& output : result.set.outputs) result.quality->outputs.push_back(output.name);
-  result.quality->bands = identification::band_qualities(result.set);
+  result.quality->bands = recordings::band_qualities(result.set);
   result.quality->verdict = verdict_of(result);
   for (const auto& drift : result.quality->drift) {
     work.warn(

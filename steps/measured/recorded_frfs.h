@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "identification/cross_validation.h"
-#include "identification/data_quality.h"
 #include "io/time_file.h"
 #include "modal/frf_set.h"
+#include "recordings/data_quality.h"
 #include "stage/work.h"
 #include "study/study.h"
 
@@ -15,7 +15,7 @@ namespace chladni::steps {
 
 struct RecordedFrfs {
   modal::FrfSet set;
-  std::optional<identification::DataQuality> quality;
+  std::optional<recordings::DataQuality> quality;
   double added_decay = 0.0;     ///< [rad/s], of an exponential window
   identification::Folds folds;  ///< of periodic recordings, where they are wanted
 };

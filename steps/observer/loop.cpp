@@ -10,8 +10,8 @@
 #include "base/draw.h"
 #include "base/error.h"
 #include "base/turn.h"
-#include "identification/virtual_experiment.h"
 #include "modal/feedback.h"
+#include "recordings/virtual_experiment.h"
 #include "steps/observer_loop.h"
 #include "steps/predicted.h"
 
@@ -63,7 +63,7 @@ modal::FeedbackLaw law_of(const IdentifiedModel& model, Eigen::Index axes,
   unit.output_shapes = Eigen::MatrixXd::Identity(axes, unit.mode_count());
   unit.input_shapes = model.match.input_shapes;
   unit.residual = Eigen::MatrixXd::Zero(axes, unit.input_count());
-  const auto law = identification::stabiliser(unit, axes, actuators, bandwidth_hz, sample_time_s);
+  const auto law = recordings::stabiliser(unit, axes, actuators, bandwidth_hz, sample_time_s);
   return {law.a, law.b, law.c, law.d};
 }
 

@@ -52,7 +52,7 @@ Eigen::VectorXd white_part(const Eigen::MatrixXd& values) {
 }
 
 // From the difference of the last two periods of each record: the excitation is not in it.
-Eigen::VectorXd noise_of(const identification::TimeData& data, const Recordings& result) {
+Eigen::VectorXd noise_of(const recordings::TimeData& data, const Recordings& result) {
   const auto sensors = result.records.empty() ? 0 : result.records[0].sensors.cols();
   const auto all = sensors + std::ssize(result.judges);
   Eigen::VectorXd square = Eigen::VectorXd::Zero(all);

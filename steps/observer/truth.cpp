@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "identification/virtual_experiment.h"
+#include "recordings/virtual_experiment.h"
 #include "stage/at_channels.h"
 #include "steps/observer_replay.h"
 #include "steps/predicted.h"
@@ -60,7 +60,7 @@ modal::KalmanFilter filter_of(const study::Study& study, const Observer& observe
   const auto part = work.part("truth: ");
   const auto channels = on_channels(study, observer, rig);
   const stage::Solution solution = stage::solved(channels, work);
-  const auto modes = identification::in_view(stage::at_channels(channels, solution));
+  const auto modes = recordings::in_view(stage::at_channels(channels, solution));
   std::vector<modal::OutputChannel> outputs;
   for (const auto& sensor : channels.sensors) {
     outputs.push_back({sensor.name, kind_of(sensor.quantity)});

@@ -9,9 +9,9 @@
 #include <optional>
 #include <sstream>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/quantity.h"
+#include "host/atomic_file.h"
 #include "study/device_arrays.h"
 #include "study/schemas.h"
 #include "study/tables/rows.h"

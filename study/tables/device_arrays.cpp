@@ -8,8 +8,8 @@
 #include <numbers>
 #include <optional>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "study/extends.h"
 #include "study/schemas.h"
 #include "study/tables/array_places.h"

@@ -1,6 +1,6 @@
 // [diagnosis] of a study, and its tolerances.
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "study/schemas.h"
 #include "study/tables/tables.h"
 

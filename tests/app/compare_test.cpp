@@ -4,12 +4,12 @@
 #include <filesystem>
 #include <fstream>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "io/frf_file.h"
 #include "io/json.h"
-#include "quiet_run.h"
 #include "rotation/turn.h"
+#include "tests/app/quiet_run.h"
 #include "tests/refusal.h"
 
 namespace chladni::app {

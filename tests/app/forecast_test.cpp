@@ -5,10 +5,10 @@
 #include <fstream>
 
 #include "mesh/surface.h"
-#include "quiet_run.h"
 #include "stage/forecast.h"
 #include "stage/solution.h"
 #include "steps/interpolation.h"
+#include "tests/app/quiet_run.h"
 
 namespace chladni::app {
 namespace {
@@ -49,7 +49,8 @@ class Before : public ::testing::Test {
   std::string shown_;
 };
 
-// Flexible frequencies of a free square plate and of a strip (tests/app/imported_modes_test.cpp).
+// Flexible frequencies of a free square plate and of a strip
+// (tests/app/body/imported_modes_test.cpp).
 TEST_F(Before, ModesAreCountedByWeylsLaw) {
   const study::Study plate = study_of(
       "geometry = { plate = { length = \"600 mm\", width = \"600 mm\", thickness = \"20 mm\" } }" +

@@ -6,9 +6,9 @@
 #include <filesystem>
 
 #include "app/command.h"
-#include "quiet_run.h"
 #include "show/diagnosis.h"
 #include "steps/diagnosis.h"
+#include "tests/app/quiet_run.h"
 
 namespace chladni::app {
 namespace {

@@ -15,8 +15,8 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "host/worker.h"
 #include "fem/assemble.h"
+#include "host/worker.h"
 #include "mesh/bodies.h"
 #include "tests/cluster/exchange_folder.h"
 

@@ -8,9 +8,9 @@
 #include <random>
 
 #include "base/error.h"
-#include "host/parallel.h"
 #include "fem/element/element_matrices.h"
 #include "fem/modes.h"
+#include "host/parallel.h"
 #include "mesh/bodies.h"
 
 namespace chladni::fem {

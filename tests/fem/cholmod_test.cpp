@@ -9,9 +9,9 @@
 #include <random>
 
 #include "base/error.h"
-#include "host/parallel.h"
 #include "fem/assemble.h"
 #include "fem/factor_check.h"
+#include "host/parallel.h"
 #include "mesh/bodies.h"
 #include "random_body.h"
 

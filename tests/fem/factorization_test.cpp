@@ -13,11 +13,11 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "host/parallel.h"
 #include "dense/blas.h"
 #include "fem/assemble.h"
 #include "fem/factor/elimination_tree.h"
 #include "fem/modes.h"
+#include "host/parallel.h"
 #include "mesh/bodies.h"
 #include "tests/fem/peak_memory.h"
 

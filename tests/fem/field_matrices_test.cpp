@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "host/parallel.h"
 #include "fem/assemble.h"
 #include "fem/modes.h"
+#include "host/parallel.h"
 #include "mesh/bodies.h"
 #include "peak_memory.h"
 

@@ -7,11 +7,11 @@
 #include <limits>
 
 #include "base/error.h"
-#include "host/parallel.h"
 #include "fem/assemble.h"
 #include "fem/factor/factorization.h"
 #include "fem/modes.h"
 #include "fem/reduced.h"
+#include "host/parallel.h"
 #include "mesh/bodies.h"
 
 namespace chladni::fem {

@@ -11,10 +11,10 @@
 #include <fstream>
 #include <thread>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
-#include "host/loaded_code.h"
 #include "base/packed.h"
+#include "host/atomic_file.h"
+#include "host/loaded_code.h"
 
 namespace chladni {
 namespace {

@@ -7,9 +7,9 @@
 #include <sstream>
 #include <vector>
 
+#include "base/quantity.h"
 #include "host/folder.h"
 #include "host/parallel.h"
-#include "base/quantity.h"
 #include "tests/failing_new.h"
 
 namespace chladni {
@@ -34,7 +34,7 @@ TEST(Quantity, WithoutMemoryIsRefusedAsThat) {
 }
 
 TEST(Folder, WithoutMemoryThrows) {
-  const std::filesystem::path folder = CHLADNI_SOURCE_DIR "/tests/base";
+  const std::filesystem::path folder = CHLADNI_SOURCE_DIR "/tests/host";
   const auto all = entries_of(folder);
   EXPECT_EQ(std::ranges::count(all, folder / "no_memory_test.cpp"), 1);
   EXPECT_EQ(std::ranges::count(all, folder / ".."), 0);

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "host/parallel.h"
 #include "fit_errors.h"
+#include "host/parallel.h"
 #include "rotation/turn.h"
 #include "simulators/frf_bounds.h"
 #include "simulators/frf_cases.h"

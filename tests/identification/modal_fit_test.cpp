@@ -7,8 +7,8 @@
 
 #include "base/draw.h"
 #include "base/error.h"
-#include "host/parallel.h"
 #include "fit_errors.h"
+#include "host/parallel.h"
 #include "simulators/frf_bounds.h"
 #include "simulators/frf_cases.h"
 

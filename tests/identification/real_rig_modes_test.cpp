@@ -1,5 +1,5 @@
-// Complex modes of rigs that have what no model has: strings, cables, a frame, dampings that are not
-// proportional. The truth is a plate by the method of Ritz.
+// Complex modes of rigs that have what no model has: strings, cables, a frame, dampings that are
+// not proportional. The truth is a plate by the method of Ritz.
 #include <gtest/gtest.h>
 
 #include <cmath>

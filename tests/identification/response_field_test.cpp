@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "tests/identification/rigs.h"
+#include "tests/recordings/rigs.h"
 #include "tests/refusal.h"
 
 namespace chladni::identification {
@@ -54,14 +54,15 @@ Eigen::VectorXd sensors() {
 
 modal::Frf truth(const Eigen::VectorXd& outputs, const Eigen::VectorXd& inputs,
                  const Eigen::VectorXd& frequency_hz, Eigen::Index modes = 4) {
-  return modal::frf(model_of(frequencies(20.0).head(modes), 0.01, sines(outputs).leftCols(modes),
-                             sines(inputs).leftCols(modes).transpose()),
-                    frequency_hz);
+  return modal::frf(
+      recordings::model_of(frequencies(20.0).head(modes), 0.01, sines(outputs).leftCols(modes),
+                           sines(inputs).leftCols(modes).transpose()),
+      frequency_hz);
 }
 
 std::vector<modal::MeasuredChannel> channels_at(const std::string& letter,
                                                 const Eigen::VectorXd& x) {
-  auto result = channels(letter, x.size());
+  auto result = recordings::channels(letter, x.size());
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     auto& channel = result[static_cast<std::size_t>(i)];
     channel.position = Eigen::Vector3d(x(i), 0.0, 0.0);

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "host/parallel.h"
 #include "fit_errors.h"
+#include "host/parallel.h"
 #include "identification/poles/residue_problem.h"
 #include "simulators/frf_bounds.h"
 #include "simulators/frf_cases.h"

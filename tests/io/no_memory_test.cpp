@@ -5,8 +5,8 @@
 
 #include <filesystem>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "io/json.h"
 #include "io/mat.h"
 #include "tests/failing_new.h"

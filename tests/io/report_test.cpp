@@ -7,9 +7,9 @@
 #include <cstdlib>
 #include <regex>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
 #include "base/sha256.h"
+#include "host/atomic_file.h"
 #include "io/bytes/escape.h"
 #include "io/json.h"
 #include "io/report_sections.h"

@@ -10,8 +10,8 @@
 #include <map>
 #include <numbers>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "io/read.h"
 #include "mesh/tetrahedralize.h"
 #include "rotation/turn.h"

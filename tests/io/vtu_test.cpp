@@ -16,8 +16,8 @@
 #include <numbers>
 #include <random>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "mesh/bodies.h"
 #include "mesh/surface.h"
 

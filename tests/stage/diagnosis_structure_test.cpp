@@ -8,9 +8,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/parallel.h"
 #include "diagnosed_plate.h"
 #include "diagnosis/body_fields.h"
+#include "host/parallel.h"
 #include "modal/frf.h"
 #include "stage/at_channels.h"
 #include "stage/reduction/upper_face.h"

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <set>
 
-#include "host/atomic_file.h"
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "steps/extend/extended_study.h"
 #include "study/problems.h"
 #include "study/schemas.h"

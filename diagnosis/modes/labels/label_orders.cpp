@@ -11,9 +11,9 @@
 
 #include "base/draw.h"
 #include "base/index.h"
-#include "host/parallel.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/modes/partner.h"
+#include "host/parallel.h"
 #include "modal/pairing.h"
 
 namespace chladni::diagnosis {

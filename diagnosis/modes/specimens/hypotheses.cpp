@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "base/index.h"
-#include "host/parallel.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/modes/specimens/specimen_constants.h"
+#include "host/parallel.h"
 
 namespace chladni::diagnosis {
 namespace {

@@ -1,0 +1,61 @@
+// A structure in the time domain: small independent blocks of states, sampled exactly.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "modal/reduced_model.h"
+#include "recordings/rigid_chain.h"
+
+namespace chladni::recordings {
+
+/// ẋ_i = A_i x_i + B_i u, y = Σ C_i x_i + D u; p outputs, q forces.
+struct Plant {
+  struct Block {
+    Eigen::MatrixXd a, b, c;  ///< s×s, s×q, p×s
+  };
+  std::vector<Block> blocks;
+  Eigen::MatrixXd d;  ///< p×q
+
+  [[nodiscard]] Eigen::Index output_count() const { return d.rows(); }
+  [[nodiscard]] Eigen::Index input_count() const { return d.cols(); }
+};
+
+/// One block of two states for each mode; one block for all states where dashpots couple the modes.
+/// `kinds`: the quantity of each output; empty: displacements. Residual flexibility acts on
+/// displacements only.
+/// @throws InvalidInput  the model does not fit together, the number of kinds differs
+[[nodiscard]] Plant plant(const modal::ReducedModel& model,
+                          const std::vector<modal::FrfKind>& kinds = {});
+
+/// The chain with its own damping: pole pairs of (M, C, K) [rad/s] up to `highest_hz`. Poles above
+/// add their static flexibility. The outputs are displacements.
+/// @throws InvalidInput      places off the strip, a chain without flexures (the poles of its
+///                           rigid-body modes are not independent)
+[[nodiscard]] Plant plant(const ChainMatrices& chain, const Eigen::VectorXd& sensors_m,
+                          const Eigen::VectorXd& actuators_m, double highest_hz);
+
+/// x⁺ = A x + B_late u_late + B u. This is exact for u held between samples and a delay of a
+/// fraction of a sample: u_late, the previous value, still acts during that fraction.
+struct SampledBlock {
+  Eigen::MatrixXd a, b, b_late, c;
+};
+
+/// @throws InvalidInput  the sample time is not positive, the fraction is not in [0, 1)
+[[nodiscard]] std::vector<SampledBlock> sampled(const Plant& plant, double sample_time_s,
+                                                double late_fraction = 0.0);
+
+/// The delay as whole samples and a fraction in [0, 1).
+struct SampledDelay {
+  Eigen::Index whole = 0;
+  double fraction = 0.0;
+  /// Weights of the held u[k − whole − i], i = 0, 1, 2, that D sees at sample k. They are the mean
+  /// over one sample around k (a sensor does not see a jump at one instant), so D has the same
+  /// delay as the states.
+  Eigen::Vector3d weight = Eigen::Vector3d(0.5, 0.5, 0.0);
+};
+
+/// @throws InvalidInput  the delay is negative or more than 10 000 samples
+[[nodiscard]] SampledDelay sampled_delay(double delay_s, double sample_time_s);
+
+}  // namespace chladni::recordings

@@ -1,0 +1,45 @@
+// Spectra of a periodic experiment, for each period, on the lines of interest.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "recordings/time_data.h"
+
+namespace chladni::recordings {
+
+/// K lines. They need far less memory than the samples if the band is narrow, so the realisations
+/// of a long experiment can be transformed one after the other.
+struct Spectra {
+  std::vector<modal::MeasuredChannel> outputs, inputs, references;
+  double sample_time_s = 0.0;
+  Eigen::Index period = 0;         ///< samples
+  std::vector<Eigen::Index> line;  ///< K, indices in the transform of one period, ascending
+
+  struct Record {
+    int experiment = 0, realisation = 0;
+    std::vector<Eigen::MatrixXcd> outputs, inputs, references;  ///< [period], K×channels
+  };
+  std::vector<Record> records;
+
+  [[nodiscard]] double hz(std::size_t k) const {
+    return static_cast<double>(line[k]) / (static_cast<double>(period) * sample_time_s);
+  }
+  [[nodiscard]] Eigen::Index line_count() const { return static_cast<Eigen::Index>(line.size()); }
+};
+
+/// The lines between two frequencies (high 0: all), without 0 Hz and half the sampling frequency.
+/// @throws InvalidInput  no period stated, a record without a whole number of periods, no line
+[[nodiscard]] Spectra spectra(const TimeData& data, double low_hz = 0.0, double high_hz = 0.0);
+
+/// Adds the records of `more`. @throws InvalidInput  other channels, lines or sampling
+void append(Spectra& all, Spectra more);
+
+/// The lines on which every input (in a loop every reference) was excited: by more than 1e-6 of the
+/// power of its strongest line, in one experiment or more.
+[[nodiscard]] std::vector<Eigen::Index> excited_lines(const Spectra& spectra);
+
+/// Only these lines, given by their indices in `line`.
+[[nodiscard]] Spectra part(const Spectra& spectra, const std::vector<Eigen::Index>& places);
+
+}  // namespace chladni::recordings

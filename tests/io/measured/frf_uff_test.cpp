@@ -1,0 +1,185 @@
+#include "io/uff/frf_uff.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "io/uff/uff.h"
+#include "tests/io/measured/frf_samples.h"
+#include "tests/io/measured/uff_samples.h"
+
+namespace chladni::io {
+namespace {
+
+using Complex = std::complex<double>;
+
+TEST(FrfUff, UnitsOfTheFileBecomeSi) {
+  struct Case {
+    int ordinate;
+    const char *unit, *input;
+    double length, force;  // of dataset 164; 0: none
+    const char *si, *input_si;
+    double factor;
+    int notes;
+  };
+  const Case cases[] = {
+      {12, "NONE", "NONE", 1000.0, 1000.0, "m/s^2", "N", 1.0, 0},  // mm and mN
+      {8, "NONE", "NONE", 1000.0, 1.0, "m", "N", 1e-3, 0},
+      {11, "mm/s", "N", 0.0, 0.0, "m/s", "N", 1e-3, 0},
+      {12, "g", "N", 0.0, 0.0, "m/s^2", "N", 9.80665, 0},
+      {12, "G's", "lbf", 0.0, 0.0, "m/s^2", "N", 9.80665 / 4.4482216152605, 0},
+      {12, "(m/s2)", "N", 1.0, 1.0, "m/s^2", "N", 1.0, 0},
+      {12, "g", "N", 1.0, 1.0, "m/s^2", "N", 9.80665, 1},  // contradicts 164: said
+      {0, "V", "V", 0.0, 0.0, "V", "", 1.0, 0},
+      {12, "NONE", "NONE", 0.0, 0.0, "", "", 1.0, 1},  // nobody says
+  };
+  for (const auto& c : cases) {
+    Sample58 sample;
+    sample.ordinate = c.ordinate;
+    sample.unit = c.unit;
+    sample.input_unit = c.input;
+    const auto bytes = (c.length > 0.0 ? dataset_164(c.length, c.force) : "") + dataset_58(sample);
+    const auto file = parse_frf_uff(bytes, "t.uff");
+    SCOPED_TRACE(fmt::format("{} {} {}", c.ordinate, c.unit, c.length));
+    EXPECT_EQ(file.set.outputs[0].unit, c.si);
+    EXPECT_EQ(file.set.inputs[0].unit, c.input_si);
+    EXPECT_NEAR(file.set.value[0](0, 0).real(), 1.5 * c.factor, 1e-9 * c.factor);
+    EXPECT_EQ(static_cast<int>(file.notes.size()), c.notes) << testing::PrintToString(file.notes);
+  }
+}
+
+TEST(FrfUff, TheCallerStatesTheUnitThatIsMissing) {
+  Sample58 sample;
+  sample.unit = sample.input_unit = "NONE";
+  FrfOptions options;
+  options.unit = "mm/s^2";
+  const auto file = parse_frf_uff(dataset_58(sample), "t.uff", options);
+  EXPECT_EQ(file.set.outputs[0].unit, "m/s^2");
+  EXPECT_DOUBLE_EQ(file.set.value[0](0, 0).real(), 1.5e-3);
+  EXPECT_TRUE(file.notes.empty());
+  options.unit = "mm";  // of a displacement, and the file says acceleration
+  EXPECT_THROW((void)parse_frf_uff(dataset_58(sample), "t.uff", options), InvalidInput);
+}
+
+TEST(FrfUff, ChannelsAreNodesWithDirections) {
+  Sample58 a, b;
+  b.response_direction = -1;
+  b.reference_node = 7;
+  const auto set = parse_frf_uff(dataset_58(a) + dataset_58(b), "t.uff").set;
+  ASSERT_EQ(set.output_count(), 2);
+  ASSERT_EQ(set.input_count(), 2);
+  EXPECT_EQ(set.outputs[0].name, "12z");
+  EXPECT_EQ(set.outputs[1].name, "-12x");
+  EXPECT_EQ(set.inputs[0].name, "-3z");
+  EXPECT_EQ(set.outputs[1].node, 12);
+  EXPECT_EQ(set.outputs[1].direction, Eigen::Vector3d(-1.0, 0.0, 0.0));
+  EXPECT_EQ(set.outputs[0].kind, modal::FrfKind::accelerance);
+  EXPECT_TRUE(std::isnan(set.value[0](0, 1).real()));
+  EXPECT_EQ(set.value[0](1, 1), Complex(1.5, -2.25));
+}
+
+TEST(FrfUff, CoherenceBelongsToItsResponse) {
+  Sample58 response, coherence;
+  coherence.function_type = 6;
+  coherence.ordinate_type = 2;
+  for (auto& y : coherence.y) y = 0.75;
+  const auto file = parse_frf_uff(dataset_58(response) + dataset_58(coherence), "t.uff");
+  ASSERT_EQ(file.set.coherence.size(), 5U);
+  EXPECT_EQ(file.set.coherence[4](0, 0), 0.75);
+  coherence.response_node = 99;
+  const auto other = parse_frf_uff(dataset_58(response) + dataset_58(coherence), "t.uff");
+  EXPECT_TRUE(other.set.coherence.empty());
+  EXPECT_EQ(times(other.notes, "coherences have no response"), 1);
+  Sample58 power;
+  power.function_type = 9;
+  EXPECT_EQ(times(parse_frf_uff(dataset_58(response) + dataset_58(power), "t.uff").notes,
+                  "1 function of type 9"),
+            1);
+}
+
+TEST(FrfUff, RefusalsNameBoth) {
+  const auto refused = [](const std::string& bytes, const char* a, const char* b) {
+    try {
+      (void)parse_frf_uff(bytes, "t.uff");
+      ADD_FAILURE() << "taken";
+    } catch (const InvalidInput& e) {
+      EXPECT_NE(std::string(e.what()).find(a), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find(b), std::string::npos) << e.what();
+    }
+  };
+  Sample58 first, second;
+  second.response_node = 13;
+  second.x.pop_back();
+  second.y.pop_back();
+  refused(dataset_58(first) + dataset_58(second), "12z over -3z", "13z over -3z");
+  Sample58 shifted;
+  shifted.response_node = 13;
+  shifted.x = {1.0, 1.6, 2.2, 2.8, 3.4};
+  refused(dataset_58(first) + dataset_58(shifted), "unequal frequency lines", "3.4");
+  Sample58 again;
+  again.y[0] = 99.0;
+  refused(dataset_58(first) + dataset_58(again), "line 2 ", "line 18 ");
+  EXPECT_EQ(times(parse_frf_uff(dataset_58(first) + dataset_58(first), "t.uff").notes, "repeats"),
+            1);
+  Sample58 falling;
+  falling.even = false;
+  falling.x = {1.0, 2.0, 1.5, 3.0, 4.0};
+  refused(dataset_58(falling), "value 3", "ascending");
+  Sample58 time;
+  time.function_type = 1;
+  refused(dataset_58(time), "no frequency response", "time response");
+  // The least integer has no absolute value.
+  std::string least = dataset_58({});
+  least.replace(least.find("  12   3"), 8, "  12 -9223372036854775808");
+  refused(least, "direction -9223372036854775808", "-6 to 6");
+}
+
+TEST(FrfUff, ReadsBackWhatItWrote) {
+  for (const auto encoding : {UffEncoding::binary, UffEncoding::text}) {
+    for (const bool even : {false, true}) {
+      auto set = random_set(3, 2, 30, 5);
+      set.noise_variance.clear();
+      if (even) set.frequency_hz = Eigen::VectorXd::LinSpaced(30, 0.0, 29.0) * 0.01953125;
+      set.outputs[1].name = "a sensor with a long name";
+      set.outputs[0].node = 1;
+      set.outputs[2].direction = -Eigen::Vector3d::UnitY();
+      set.outputs[2].position = Eigen::Vector3d(0.1, 0.2, 1.0 / 3.0);
+      for (auto& output : set.outputs) output.unit = "m/s^2";
+      for (auto& output : set.outputs) output.kind = modal::FrfKind::accelerance;
+      for (auto& input : set.inputs) input.unit = "N";
+      std::vector<std::string> lost;
+      const auto file = parse_frf_uff(frf_uff(set, encoding, lost), "t.uff");
+      EXPECT_EQ(lost.size(), 1U);  // the variances
+      EXPECT_TRUE(file.notes.empty()) << testing::PrintToString(file.notes);
+      set.variance.clear();
+      EXPECT_EQ(file.set.outputs[0].unit, "m/s^2");
+      EXPECT_EQ(file.set.outputs[2].direction, set.outputs[2].direction);
+      EXPECT_LT((*file.set.outputs[2].position - *set.outputs[2].position).norm(), 1e-15);
+      if (encoding == UffEncoding::binary) {
+        expect_same(file.set, set);
+        continue;
+      }
+      EXPECT_EQ(file.set.outputs[1].name, "a sensor with a long name");
+      EXPECT_LT((file.set.frequency_hz - set.frequency_hz).cwiseAbs().maxCoeff(), 1e-8);
+      for (std::size_t k = 0; k < 29; ++k) {
+        EXPECT_LT((file.set.value[k] - set.value[k]).cwiseQuotient(set.value[k]).norm(), 1e-11);
+      }
+    }
+  }
+}
+
+TEST(FrfUff, KeepsKindAndUnitThatAreNotSi) {
+  auto set = random_set(1, 1, 3, 5);
+  set.outputs[0].kind = modal::FrfKind::mobility;
+  std::vector<std::string> lost;
+  auto back = parse_frf_uff(frf_uff(set, UffEncoding::text, lost), "t.uff").set;
+  EXPECT_EQ(back.outputs[0].kind, modal::FrfKind::mobility);
+  EXPECT_EQ(back.outputs[0].unit, "");
+  set.outputs[0].unit = "V";
+  back = parse_frf_uff(frf_uff(set, UffEncoding::text, lost), "t.uff").set;
+  EXPECT_EQ(back.outputs[0].unit, "V");
+}
+
+}  // namespace
+}  // namespace chladni::io

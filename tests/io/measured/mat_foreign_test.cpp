@@ -1,0 +1,115 @@
+// .mat files that are broken, huge or hold what no instrument gives.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+
+#include "base/draw.h"
+#include "base/error.h"
+#include "host/atomic_file.h"
+#include "io/frf_file.h"
+#include "io/mat.h"
+#include "io/matlab/frf_mat.h"
+#include "io/matlab/time_mat.h"
+#include "io/time_file.h"
+#include "tests/io/measured/frf_samples.h"
+#include "tests/io/measured/mat_by_hand.h"
+#include "tests/io/measured/mat_files.h"
+#include "tests/refusal.h"
+
+namespace chladni::io {
+namespace {
+
+TEST_F(Mat, BrokenFilesAreRefusedAndNotBelieved) {
+  const TemporaryFile file("broken.mat");
+  const auto refused = [&](const std::string& bytes) {
+    put(file.path, bytes);
+    try {
+      (void)read_frf(file.path);
+      return false;
+    } catch (const InvalidInput& e) {
+      EXPECT_EQ(std::string(e.what()).find(file.path.string()), 0U) << e.what();
+      return true;
+    }
+  };
+  EXPECT_TRUE(refused(""));
+  EXPECT_TRUE(refused("hello"));
+  (void)write_frf(file.path, described_set());
+  const auto whole = read_whole(file.path);
+  Draw draw(3);
+  for (int trial = 0; trial < 12; ++trial) {
+    const auto size = static_cast<std::size_t>(draw.uniform() * static_cast<double>(whole.size()));
+    EXPECT_TRUE(refused(whole.substr(0, size))) << size;
+  }
+  // A size of 2³¹ − 1 numbers, of which nothing follows.
+  EXPECT_TRUE(refused(
+      version_5({doubles("f", {1, 2}, {1, 2}), doubles("G", {2147483647, 1, 1}, {1.0}, {1.0})})));
+  // Some hundred kilobytes that unpack to 128 megabytes.
+  const std::string zeros(std::size_t{1} << 27U, '\0');
+  FrfOptions options;
+  options.limit_bytes = kLimit;
+  put(file.path,
+      version_5({compressed(element(14, array_head(6, {1, 1 << 24}, "G") + element(9, zeros)))}));
+  EXPECT_LT(std::filesystem::file_size(file.path), 1U << 18U);
+  EXPECT_THROW((void)read_frf(file.path, options), InvalidInput);
+}
+
+TEST_F(Mat, AnArrayOfMillionsIsNotMillionsOfChannels) {
+  const TemporaryFile file("wide.mat");
+  const auto refused = [&](const std::vector<std::string>& variables, const char* word) {
+    put(file.path, version_5(variables));
+    try {
+      (void)read_frf(file.path);
+      ADD_FAILURE() << "taken; expected a refusal about " << word;
+    } catch (const NoResponses&) {
+      try {
+        (void)read_time(file.path);
+        ADD_FAILURE() << "taken; expected a refusal about " << word;
+      } catch (const InvalidInput& e) {
+        EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
+      }
+    } catch (const InvalidInput& e) {
+      EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
+    }
+  };
+  const std::vector<double> many(400'000, 0.0);
+  const auto frequencies = doubles("f", {1, 2}, {1.0, 2.0});
+  refused({frequencies, doubles("G", {2, 200'000}, many)}, "200000 outputs, expected at most");
+  refused({frequencies, doubles("G", {2, 1, 200'000}, many)}, "200000 inputs, expected at most");
+  const auto step = doubles("Ts", {1, 1}, {0.1});
+  refused({step, doubles("y", {2, 200'000}, many)}, "200000 outputs, expected at most");
+}
+
+TEST_F(Mat, CountsOfRecordingsAreWholeNumbers) {
+  const TemporaryFile file("counts.mat");
+  const std::vector<double> samples{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0};
+  for (const char* name : {"period", "experiment", "realisation"}) {
+    for (const double wrong : {std::nan(""), HUGE_VAL, -1.0, 2.5, 1e300}) {
+      put(file.path, version_5({doubles("Ts", {1, 1}, {0.1}), doubles("y", {8, 1}, samples),
+                                doubles(name, {1, 1}, {wrong})}));
+      const auto said = refusal_of([&] { return read_time(file.path); });
+      EXPECT_NE(said.find(std::string(name) + " is "), std::string::npos) << wrong << ": " << said;
+      EXPECT_NE(said.find("expected a whole number, 0 or more"), std::string::npos) << said;
+    }
+  }
+}
+
+TEST_F(Mat, NumbersThatNoInstrumentGivesAreRefused) {
+  const TemporaryFile file("large.mat");
+  put(file.path, version_5({doubles("f", {1, 2}, {1.0, 2.0}),
+                            doubles("G", {2, 1}, {1.0, 1e200}, {1.0, 1.0})}));
+  try {
+    (void)read_frf(file.path);
+    ADD_FAILURE() << "taken";
+  } catch (const InvalidInput& e) {
+    EXPECT_NE(std::string(e.what()).find("line 2 from input 1 to output 1"), std::string::npos)
+        << e.what();
+  }
+  put(file.path, version_5({doubles("Ts", {1, 1}, {0.1}), doubles("y", {2, 1}, {1.0, 1e200})}));
+  EXPECT_THROW((void)read_time(file.path), InvalidInput);
+}
+
+}  // namespace
+}  // namespace chladni::io

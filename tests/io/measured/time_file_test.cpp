@@ -1,0 +1,211 @@
+#include "io/time_file.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "base/draw.h"
+#include "base/error.h"
+#include "io/uff/time_uff.h"
+#include "tests/io/measured/frf_samples.h"
+
+namespace chladni::io {
+namespace {
+
+recordings::TimeData random_recordings() {
+  Draw draw(9);
+  recordings::TimeData data;
+  data.outputs.resize(2);
+  data.inputs.resize(1);
+  data.references.resize(1);
+  data.outputs[0].name = "y1";
+  data.outputs[1].name = "force plate, left";  // a name that looks like an input's
+  data.inputs[0].name = "z3";                  // and one that looks like an output's
+  data.references[0].name = "r1";
+  data.sample_time_s = 1.0 / 4096.0;
+  data.period = 4;
+  const auto random = [&](Eigen::Index columns) {
+    Eigen::MatrixXd samples(12, columns);
+    for (auto& sample : samples.reshaped()) sample = draw.normal();
+    return samples;
+  };
+  for (int n = 0; n < 4; ++n) {
+    recordings::Record record;
+    record.outputs = random(2);
+    record.inputs = random(1);
+    record.references = random(1);
+    record.experiment = n / 2;
+    record.realisation = n % 2;
+    data.records.push_back(record);
+  }
+  return data;
+}
+
+void expect_same(const recordings::TimeData& found, const recordings::TimeData& expected) {
+  ASSERT_EQ(found.outputs.size(), expected.outputs.size());
+  ASSERT_EQ(found.inputs.size(), expected.inputs.size());
+  ASSERT_EQ(found.references.size(), expected.references.size());
+  EXPECT_EQ(found.outputs[1].name, expected.outputs[1].name);
+  EXPECT_EQ(found.inputs[0].name, expected.inputs[0].name);
+  EXPECT_EQ(found.references[0].name, expected.references[0].name);
+  EXPECT_EQ(found.sample_time_s, expected.sample_time_s);
+  EXPECT_EQ(found.period, expected.period);
+  ASSERT_EQ(found.records.size(), expected.records.size());
+  for (std::size_t r = 0; r < expected.records.size(); ++r) {
+    EXPECT_EQ(found.records[r].outputs, expected.records[r].outputs);
+    EXPECT_EQ(found.records[r].inputs, expected.records[r].inputs);
+    EXPECT_EQ(found.records[r].references, expected.records[r].references);
+    EXPECT_EQ(found.records[r].experiment, expected.records[r].experiment);
+    EXPECT_EQ(found.records[r].realisation, expected.records[r].realisation);
+  }
+}
+
+TEST(TimeFile, CsvReadsBackWhatItWroteToTheLastBit) {
+  const auto data = random_recordings();
+  expect_same(parse_time_csv(time_csv(data), "t.csv").data, data);
+}
+
+TEST(TimeFile, UffReadsBackWhatItWroteToTheLastBit) {
+  auto data = random_recordings();
+  data.outputs[0].unit = "m/s";
+  data.outputs[0].kind = modal::FrfKind::mobility;
+  data.inputs[0].unit = "N";
+  const auto found = parse_time_uff(time_uff(data, UffEncoding::binary), "t.uff").data;
+  expect_same(found, data);
+  EXPECT_EQ(found.outputs[0].unit, "m/s");
+  EXPECT_EQ(found.outputs[0].kind, modal::FrfKind::mobility);
+  EXPECT_EQ(found.inputs[0].unit, "N");
+}
+
+TEST(TimeFile, NamesTellTheSide) {
+  const auto file =
+      parse_time_csv("time_s,u1,y1,force,acceleration,r2\n0,1,2,3,4,5\n1,1,2,3,4,5\n", "t.csv");
+  ASSERT_EQ(file.data.inputs.size(), 2U);
+  EXPECT_EQ(file.data.inputs[1].name, "force");
+  ASSERT_EQ(file.data.outputs.size(), 2U);
+  EXPECT_EQ(file.data.outputs[1].name, "acceleration");
+  ASSERT_EQ(file.data.references.size(), 1U);
+  EXPECT_EQ(file.notes[0], "outputs: y1, acceleration; inputs: u1, force; references: r2");
+  TimeOptions options;
+  options.sensor_names = {"force"};
+  options.reference_names = {"u1"};
+  options.actuator_names = {"y1"};
+  const auto other = parse_time_csv("time_s,u1,y1,force\n0,1,2,3\n1,4,5,6\n", "t.csv", options);
+  EXPECT_EQ(other.data.outputs[0].name, "force");
+  EXPECT_EQ(other.data.records[0].inputs(1, 0), 5.0);
+  EXPECT_EQ(other.data.records[0].references(1, 0), 4.0);
+}
+
+TEST(TimeFile, UnitAndSampleTimeMayBeStated) {
+  TimeOptions options;
+  options.sample_time_s = 0.5;
+  options.unit = "g";
+  options.period = 2;
+  const auto file = parse_time_csv("force,acceleration\n1,2\n3,4\n", "t.csv", options);
+  EXPECT_EQ(file.data.sample_time_s, 0.5);
+  EXPECT_EQ(file.data.period, 2);
+  EXPECT_DOUBLE_EQ(file.data.records[0].outputs(1, 0), 4.0 * 9.80665);
+  EXPECT_EQ(file.data.outputs[0].kind, modal::FrfKind::accelerance);
+}
+
+TEST(TimeFile, AUnitThatIsStatedIsOne) {
+  for (const auto* unit : {"UM", "foo", "g/N"}) {
+    TimeOptions options;
+    options.sample_time_s = 0.5;
+    options.unit = unit;
+    EXPECT_THROW((void)parse_time_csv("u1,y1\n1,2\n3,4\n", "t.csv", options), InvalidInput) << unit;
+  }
+}
+
+struct BadRecord {
+  const char *bytes, *word;
+};
+
+class BadTimeCsv : public testing::TestWithParam<BadRecord> {};
+
+TEST_P(BadTimeCsv, IsRefusedWithItsPlace) {
+  try {
+    (void)parse_time_csv(GetParam().bytes, "t.csv");
+    FAIL() << "taken";
+  } catch (const InvalidInput& e) {
+    EXPECT_NE(std::string(e.what()).find(GetParam().word), std::string::npos) << e.what();
+    EXPECT_EQ(std::string(e.what()).find("t.csv"), 0U) << e.what();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    TimeFile, BadTimeCsv,
+    testing::Values(
+        BadRecord{"", "no lines"}, BadRecord{"time_s,y1\n", "no line of numbers"},
+        BadRecord{"y1,u1\n1,2\n3,4\n", "no sample time"},
+        BadRecord{"time_s\n1\n2\n", "no column of a channel"},
+        BadRecord{"time_s,y1\n0,1\n", "one sample only"},
+        BadRecord{"time_s,y1\n0,1\n0,2\n", "does not ascend"},
+        BadRecord{"time_s,y1\n0,1\n1,2\n2.5,3\n3,4\n", "line 4: time_s is 2.5"},
+        BadRecord{"time_s,y1\n0,1\n1,\n", "line 3: y1 is empty"},
+        BadRecord{"time_s,experiment,y1\n0,0.5,1\n1,0,2\n", "line 2: experiment is 0.5"},
+        BadRecord{"time_s,experiment,y1\n0,,1\n1,0,2\n", "line 2: experiment is"},
+        BadRecord{"time_s,experiment,y1\n0,0,1\n1,0,2\n,1,3\n", "line 4: time_s is empty"},
+        BadRecord{"time_s,time,y1\n0,0,1\n1,0,2\n", "two columns"},
+        BadRecord{"time_s,y1,out_y1\n0,0,1\n1,0,2\n", "two columns of the channel"},
+        BadRecord{"time_s,period,y1\n0,0,1\n1,0,2\n2,1,3\n", "line 4: a period of 1"}));
+
+TEST(TimeFile, UffRefusalsNameBoth) {
+  auto data = random_recordings();
+  data.records[1].inputs.conservativeResize(11, 1);
+  try {
+    (void)parse_time_uff(time_uff(data, UffEncoding::text), "t.uff");
+    FAIL() << "taken";
+  } catch (const InvalidInput& e) {
+    EXPECT_NE(std::string(e.what()).find("(z3) has 11"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("(y1) has 12"), std::string::npos) << e.what();
+  }
+}
+
+TEST(MeasuredData, AHitIsReadAsARecording) {
+  const auto tar = std::filesystem::path(CHLADNI_SOURCE_DIR) /
+                   "../shared/data/tonewood-1to4/plate_01_raw_time.tar.xz";
+  if (!std::filesystem::exists(tar)) GTEST_SKIP() << tar << " is not here";
+  const TemporaryFile hit("hit.csv");
+  const std::string command = "tar xJOf '" + tar.string() +
+                              "' plate_1_____15_11_21_____frf_1.csv > '" + hit.path.string() + "'";
+  if (std::system(command.c_str()) != 0) GTEST_SKIP() << "no tar or xz here";
+  TimeOptions options;
+  options.sample_time_s = 1.0 / 48000.0;
+  const auto file = read_time(hit.path, options);
+  EXPECT_EQ(file.data.inputs[0].name, "force");
+  EXPECT_EQ(file.data.outputs[0].name, "acceleration");
+  EXPECT_EQ(file.data.records[0].outputs(0, 0), -0.003847);
+  EXPECT_NEAR(static_cast<double>(file.data.records[0].outputs.rows()) / 48000.0, 2.0, 0.01);
+}
+
+// A time column in which samples are missing, or whose step changes, is refused with the place.
+TEST(TimeFile, NamesMissingSamplesAndAnotherRate) {
+  const auto refusal = [](const std::vector<double>& times) {
+    std::string text = "time_s,y1,u1\n";
+    for (const double time : times) text += std::to_string(time) + ",1,2\n";
+    try {
+      (void)parse_time_csv(text, "t.csv");
+    } catch (const InvalidInput& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  std::vector<double> sound, missing, faster;
+  for (int n = 0; n < 40; ++n) {
+    sound.push_back(0.01 * n);
+    missing.push_back(0.01 * (n < 20 ? n : n + 3));
+    faster.push_back(n < 25 ? 0.01 * n : 0.24 + 0.005 * (n - 24));
+  }
+  EXPECT_EQ(refusal(sound), "");
+  EXPECT_NE(refusal(missing).find("line 22: time_s is 0.23: 3 samples are missing before it"),
+            std::string::npos)
+      << refusal(missing);
+  EXPECT_NE(
+      refusal(faster).find("line 27: time_s is 0.245: the sample rate changes from 100 to 200 Hz"),
+      std::string::npos)
+      << refusal(faster);
+}
+
+}  // namespace
+}  // namespace chladni::io
