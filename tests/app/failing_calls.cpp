@@ -103,7 +103,7 @@ bool fails(Kind kind, const void* caller) {
   return true;
 }
 
-// Of malloc and its like, but not of operator new.
+// Calls of malloc and its like, not of operator new.
 bool no_memory(const void* caller) { return !program.has(caller) && fails(kAllocate, caller); }
 
 void* made(std::size_t size, std::size_t alignment, const void* caller) {
@@ -117,7 +117,7 @@ Function* next(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
 }
 
-// Of a read or write of `count` bytes: how many are asked for, or -1 where it is interrupted.
+// How many of the `count` bytes of a read or write are asked for; -1 where it is interrupted.
 ssize_t shortened(std::size_t count, const void* caller) {
   static std::atomic<unsigned> turn = 0;
   if (!is_short || !counting || is_spared(caller)) return static_cast<ssize_t>(count);

@@ -48,8 +48,8 @@ TEST(VectorFit, LeavesRigidBodyModesToTheirTerm) {
             1e-9);
 }
 
-// Of a pole and its conjugate that are nearly one, rounding is all that their difference has left:
-// its square may be below zero. The other poles' residues are those without that pole.
+// A pole and its conjugate that are nearly one have a difference of nothing but rounding: its square
+// may be below zero. The other poles' residues are those without that pole.
 TEST(ResidueProblem, LeavesOutAPoleThatHasNoDigits) {
   const auto made = simulators::beam5x3();
   auto data = fit_data(made.measured);
