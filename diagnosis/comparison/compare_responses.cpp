@@ -153,8 +153,8 @@ ResponseComparison compared(const modal::FrfSet& measured,
   require(options.bands > 0, "comparison: at least one band is expected");
   const ComparedResponses of = responses_of(measured, simulated, options);
   ResponseComparison result;
-  for (const auto& one : measured.outputs) result.outputs.push_back(one.name);
-  for (const auto& one : measured.inputs) result.inputs.push_back(one.name);
+  result.outputs = modal::names_of(measured.outputs);
+  result.inputs = modal::names_of(measured.inputs);
   std::vector<double> lines;
   for (const double f : measured.frequency_hz) {
     if (in_band(f, options)) lines.push_back(f);

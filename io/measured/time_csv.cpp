@@ -43,8 +43,7 @@ std::vector<modal::MeasuredChannel>& channels_of(recordings::TimeData& data, Sid
 }
 
 std::string named(const std::vector<modal::MeasuredChannel>& channels) {
-  std::vector<std::string> names;
-  for (const auto& channel : channels) names.push_back(channel.name);
+  const auto names = modal::names_of(channels);
   return names.empty() ? "none" : listed(names);
 }
 

@@ -92,8 +92,7 @@ void leave_state_space(const steps::Interpolated& result, const std::vector<std:
   const auto space = fit.complex ? identification::state_space(
                                        at, identification::complex_shapes_at(model.match, interest))
                                  : modal::state_space(at);
-  std::vector<std::string> inputs;
-  for (const auto& one : model.seen.inputs) inputs.push_back(one.name);
+  const auto inputs = modal::names_of(model.seen.inputs);
   io::MatFields variables{{"A", space.a},           {"B", space.b},
                           {"C", space.c},           {"D", space.d},
                           {"delay_s", fit.delay_s}, {"outputs", outputs},
