@@ -135,7 +135,7 @@ Eigen::MatrixXd stretches(const Motions& motions, const DofMap& dofs,
 // The part of the six orthonormal motions that springs and supports do not resist: the null space
 // of `stretches`. Its basis is made of projections of the motions, in their order.
 Eigen::MatrixXd costless(const Eigen::MatrixXd& stretches) {
-  // A link that does not stretch shows a rounding error of its lever (fem/attachment.cpp).
+  // A link that does not stretch shows a rounding error of its lever (fem/matrices/attachment.cpp).
   constexpr double kRounding = 1e-8;
   if (stretches.rows() == 0) return Eigen::MatrixXd::Identity(6, 6);
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(stretches, Eigen::ComputeFullV);
