@@ -8,8 +8,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LES
   target_compile_options(chladni_warnings INTERFACE -Wno-restrict)
 endif()
 
-# Tests compile a third faster so and run as fast: what takes time is in the rooms.
-function(optimise_tests target)
+# Tests, and rooms that read, write and tell, compile a third faster so and run as fast: what takes time is in the
+# other rooms.
+function(optimise_lightly target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
@@ -30,8 +31,8 @@ function(add_precompiled kind header)
                                                             ${ARGN})
   target_include_directories(chladni_precompiled_${kind} PRIVATE ${PROJECT_SOURCE_DIR})
   target_precompile_headers(chladni_precompiled_${kind} PRIVATE ${header})
-  if(kind STREQUAL "tests")
-    optimise_tests(chladni_precompiled_${kind})
+  if(kind MATCHES "tests|cold_room")
+    optimise_lightly(chladni_precompiled_${kind})
   endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)  # ccache asks for it
     target_compile_options(chladni_precompiled_${kind} PRIVATE -fpch-preprocess)
@@ -75,9 +76,10 @@ function(unite target most)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
 endfunction()
 
-# add_room(name SOURCES ... PUBLIC rooms... PRIVATE libraries...)
+# add_room(name [COLD] SOURCES ... PUBLIC rooms... PRIVATE libraries...): COLD is a room that reads, writes or
+# tells, where no loop takes time.
 function(add_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ROOM "COLD" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   if(NOT ROOM_SOURCES)  # a room of headers only
     file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/${name}_room.cpp "// headers only\n")
     set(ROOM_SOURCES ${CMAKE_CURRENT_BINARY_DIR}/${name}_room.cpp)
@@ -90,7 +92,13 @@ function(add_room name)
   target_link_libraries(chladni_${name} PUBLIC Eigen3::Eigen ${ROOM_PUBLIC}
                         PRIVATE $<BUILD_INTERFACE:chladni_warnings> ${ROOM_PRIVATE})
   set_target_properties(chladni_${name} PROPERTIES EXPORT_NAME ${name})
-  use_precompiled(chladni_${name} room)
+  set_property(GLOBAL APPEND PROPERTY CHLADNI_ROOMS chladni_${name})
+  if(ROOM_COLD)
+    optimise_lightly(chladni_${name})
+    use_precompiled(chladni_${name} cold_room)
+  else()
+    use_precompiled(chladni_${name} room)
+  endif()
   unite(chladni_${name} 8 ${ROOM_SOURCES})
 endfunction()
 
@@ -134,7 +142,7 @@ function(add_test_program room first)
                                            GTest::gtest_main)
   target_compile_definitions(${program} PRIVATE ${T_DEFINE}
     CHLADNI_SOURCE_DIR="${PROJECT_SOURCE_DIR}" CHLADNI_BINARY_DIR="${PROJECT_BINARY_DIR}")
-  optimise_tests(${program})
+  optimise_lightly(${program})
   use_precompiled(${program} tests)
   if(ARGN)
     set_source_files_properties(${first} ${ARGN} PROPERTIES UNITY_GROUP tests)

@@ -66,6 +66,11 @@ Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd& a) {
          Eigen::MatrixXd::Identity(a.rows(), a.cols());
 }
 
+Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& a) {
+  const Eigen::MatrixXd each_row = Eigen::MatrixXd::Identity(a.rows(), a.rows());
+  return Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(a).solve(each_row);
+}
+
 void add_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double s, Eigen::MatrixXd& c) {
   if (a.size() == 0 || b.size() == 0) return;
   const FlushToZero flush;

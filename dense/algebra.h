@@ -26,6 +26,10 @@ void add_gram(const Eigen::Ref<const Eigen::MatrixXd>& a, Eigen::MatrixXd& c);
 /// A = QR by Householder's reflections. By Eigen, so that the bits are the same for every BLAS.
 [[nodiscard]] Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd& a);
 
+/// A⁺ (n×m) of A (m×n) by a complete orthogonal decomposition: the least solution of least squares.
+/// By Eigen, like the basis.
+[[nodiscard]] Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& a);
+
 /// C := C + s A B.
 void add_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double s, Eigen::MatrixXd& c);
 

@@ -81,7 +81,8 @@ void require_noise(const NoisySystem& system) {
 // One step of the difference equation whose steady state is wanted.
 Eigen::MatrixXd next_covariance(const NoisySystem& system, const Eigen::MatrixXd& p) {
   const Eigen::MatrixXd seen = system.c * p;
-  const Eigen::LLT<Eigen::MatrixXd> innovation(seen * system.c.transpose() + system.r);
+  const Eigen::LLT<Eigen::MatrixXd> innovation(
+      Eigen::MatrixXd(seen * system.c.transpose() + system.r));
   const Eigen::MatrixXd cross = seen * system.a.transpose() + system.s.transpose();
   const Eigen::MatrixXd next =
       system.a * p * system.a.transpose() + system.q - cross.transpose() * innovation.solve(cross);

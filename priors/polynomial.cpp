@@ -57,8 +57,9 @@ ShapePolynomials polynomials(const Eigen::MatrixX2d& at, const Eigen::VectorXd& 
   }
   const Eigen::MatrixXd functions = functions_at(fitted, at);
   const Eigen::VectorXd weight = (area / area.sum()).cwiseSqrt();
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(weight.asDiagonal() * functions);
-  fitted.coefficients = factor.solve(weight.asDiagonal() * shapes);
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(
+      Eigen::MatrixXd(weight.asDiagonal() * functions));
+  fitted.coefficients = factor.solve(Eigen::MatrixXd(weight.asDiagonal() * shapes));
   const Eigen::MatrixXd wrong = functions * fitted.coefficients - shapes;
   const auto rms = [&](const Eigen::MatrixXd& field) -> Eigen::VectorXd {
     return (weight.asDiagonal() * field).colwise().norm();

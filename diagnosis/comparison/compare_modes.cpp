@@ -241,7 +241,7 @@ Eigen::VectorXd comac(const modal::Pairing& pairing, const Eigen::VectorXd& freq
                                     [&](const auto& one) { return pair.a < one.first + one.size; });
     const Eigen::MatrixXd span = simulated.middleCols(group->first, group->size);
     b.col(k) = measured.col(pair.b).normalized();
-    a.col(k) = (span * span.colPivHouseholderQr().solve(b.col(k))).normalized();
+    a.col(k) = (span * span.colPivHouseholderQr().solve(Eigen::VectorXd(b.col(k)))).normalized();
   }
   return modal::comac(a, b);
 }

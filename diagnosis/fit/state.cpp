@@ -75,7 +75,8 @@ void add_stiffness(State& state, const Eigen::MatrixXd& change) {
   state.stiffness -= cross.transpose() * dragged;
   state.outputs -= outputs * dragged;
   state.inputs -= (inputs * dragged).transpose();
-  const Eigen::MatrixXd yields = above.solve(inputs.transpose()) - inputs.transpose();
+  const Eigen::MatrixXd yields =
+      above.solve(Eigen::MatrixXd(inputs.transpose())) - inputs.transpose();
   state.residual += outputs * yields;
 }
 

@@ -124,7 +124,8 @@ VectorXd deviations_by_modes(const Structure& structure, const std::vector<Devia
     const auto [error, slope] = rows.about(structure, deviations, eta);
     MatrixXd curvature = slope.transpose() * slope;
     curvature.diagonal().array() += 1.0;
-    const VectorXd next = curvature.llt().solve(slope.transpose() * (error + slope * eta));
+    const VectorXd next =
+        curvature.llt().solve(VectorXd(slope.transpose() * (error + slope * eta)));
     const double moved = (next - eta).cwiseAbs().maxCoeff();
     eta = next;
     if (moved < 100.0 * kStep) break;  // a tenth of a deviation

@@ -78,7 +78,7 @@ VectorXd parts_of(const RecordedModes& model, const std::vector<Index>& span,
     normal(i, i) +=
         scale * std::pow(kConstants.shape_error / std::max(part_deviation(apart), 1e-9), 2);
   }
-  const VectorXd found = normal.ldlt().solve(basis.transpose() * real);
+  const VectorXd found = normal.ldlt().solve(VectorXd(basis.transpose() * real));
   if (!found.allFinite() || !(found.norm() > 0.0)) return parts;
   parts.setZero();
   parts(span) = found.normalized();

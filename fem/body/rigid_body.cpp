@@ -193,7 +193,8 @@ Suspension suspension(const mesh::TetMesh& body, const System& system,
   Eigen::MatrixXd passed = costless(stretches(all, system.dofs, AttachmentTerms{}));
   const Eigen::MatrixXd rigid = costless(stretches(all, system.dofs, attachments));
   passed -= rigid * (rigid.transpose() * passed);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(passed * passed.transpose());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      Eigen::MatrixXd(passed * passed.transpose()));
   const Eigen::Index count = (solver.eigenvalues().array() > 0.5).count();
   if (count == 0) return {};
   const Eigen::MatrixXd motions = all * solver.eigenvectors().rightCols(count);

@@ -66,7 +66,8 @@ void refine(const System& system, Eigen::Ref<Eigen::MatrixXd> shapes, std::size_
   if (shapes.cols() < 2 || next == kFunctionals.size()) return;
   const Eigen::VectorXd w = weights(system, kFunctionals[next]);
   const Eigen::MatrixXd a = shapes.transpose() * w.asDiagonal() * shapes;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(0.5 * (a + a.transpose()));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      Eigen::MatrixXd(0.5 * (a + a.transpose())));
   const Eigen::VectorXd d = solver.eigenvalues().reverse();
   constexpr double tolerance = 1e-5;  // the values lie within ±1/4; far above rounding
   if (d(0) - d(d.size() - 1) < tolerance) return refine(system, shapes, next + 1);

@@ -103,7 +103,7 @@ class Basis {
     for (int pass = 0; pass < 2; ++pass) {
       if (pass > 0 || !w.image_fits) update_image(w);
       const Matrix gram = w.v.transpose() * w.mv;
-      const Eigen::SelfAdjointEigenSolver<Matrix> solver(0.5 * (gram + gram.transpose()));
+      const Eigen::SelfAdjointEigenSolver<Matrix> solver(Matrix(0.5 * (gram + gram.transpose())));
       const Eigen::VectorXd& d = solver.eigenvalues();
       const double least = pass == 0 ? 1e-28 * scale * scale + 1e-14 * d.maxCoeff() : 0.0;
       const Eigen::Index rank = (d.array() > least).count();
@@ -201,7 +201,7 @@ struct Ritz {
 };
 
 Ritz ritz(const Matrix& t, const Matrix& last) {
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(0.5 * (t + t.transpose()));
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(Matrix(0.5 * (t + t.transpose())));
   Ritz r{solver.eigenvalues().reverse(), solver.eigenvectors().rowwise().reverse(), {}};
   r.error = (last * r.vectors.bottomRows(last.cols())).colwise().norm();
   return r;

@@ -145,7 +145,7 @@ Eigen::VectorXd residuals(const System& system, const Factorization& factor, dou
 Matrix ritz(const System& system, Eigen::VectorXd& lambda, Matrix& shapes, Matrix& product) {
   const Matrix energy = shapes.transpose() * product;
   const Matrix gram = shapes.transpose() * (SymmetricProduct(system.mass) * shapes);
-  const Matrix to_orthonormal = Eigen::LLT<Matrix>(0.5 * (gram + gram.transpose()))
+  const Matrix to_orthonormal = Eigen::LLT<Matrix>(Matrix(0.5 * (gram + gram.transpose())))
                                     .matrixU()
                                     .solve(Matrix::Identity(gram.rows(), gram.cols()));
   const auto [values, vectors] =

@@ -101,7 +101,7 @@ Matrix coordinates(const SymmetryClass& symmetry, const Matrix& motions) {
 Matrix combinations(const SparseMatrix& mass, const Matrix& parts) {
   if (parts.cols() == 0) return Matrix(0, 0);
   const Matrix gram = parts.transpose() * (SymmetricProduct(mass) * parts);
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(0.5 * (gram + gram.transpose()));
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(Matrix(0.5 * (gram + gram.transpose())));
   const auto count = (solver.eigenvalues().array() > 0.5).count();
   return solver.eigenvectors().rightCols(count) *
          solver.eigenvalues().tail(count).cwiseSqrt().cwiseInverse().asDiagonal();

@@ -106,7 +106,8 @@ Eigen::VectorXd floor_participation(const GainMatch& match, const std::vector<Ei
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(shapes);
   if (qr.rank() < shapes.cols()) return {};
   Eigen::VectorXd result = Eigen::VectorXd::Zero(match.shapes.cols());
-  result(rigid) = qr.solve(along);
+  const Eigen::VectorXd parts = qr.solve(along);
+  result(rigid) = parts;
   return result;
 }
 

@@ -26,7 +26,8 @@ namespace {
 // T with own ≈ T matched, by least squares; none where the rows do not determine it.
 template <typename Matrix>
 std::optional<Matrix> turn(const Matrix& own, const Matrix& matched) {
-  const Matrix found = matched.transpose().colPivHouseholderQr().solve(own.transpose()).transpose();
+  const Matrix found =
+      matched.transpose().colPivHouseholderQr().solve(Matrix(own.transpose())).transpose();
   if (!found.allFinite() || !Eigen::FullPivLU<Matrix>(found).isInvertible()) return std::nullopt;
   return found;
 }

@@ -251,8 +251,9 @@ FittedRow fitted_row(const ModalFit& fit, const GainMatch& match, const FitData&
   const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::LDLT<Eigen::MatrixXd> factor(
       Eigen::MatrixXd(scale.asDiagonal() * normal * scale.asDiagonal()));
-  const Eigen::VectorXd x = scale.cwiseProduct(factor.solve(scale.cwiseProduct(right)));
-  const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::VectorXd x =
+      scale.cwiseProduct(factor.solve(Eigen::VectorXd(scale.cwiseProduct(right))));
+  const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n)));
   const Eigen::VectorXd deviation =
       (0.5 * inverse.diagonal().cwiseMax(0.0)).cwiseSqrt().cwiseProduct(scale);
   return {x.head(m).transpose(), deviation.head(m).transpose(), x.tail(q).transpose()};

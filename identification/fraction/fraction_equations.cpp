@@ -173,7 +173,8 @@ Eigen::VectorXd FractionEquations::step(const Eigen::VectorXd& gradient, double 
   const Eigen::VectorXd scale = reduced.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * reduced * scale.asDiagonal();
   Eigen::VectorXd move(count());
-  move.head(d_count_) = scale.cwiseProduct(scaled.ldlt().solve(scale.cwiseProduct(right)));
+  move.head(d_count_) =
+      scale.cwiseProduct(scaled.ldlt().solve(Eigen::VectorXd(scale.cwiseProduct(right))));
   for (std::size_t j = 0; j < gram_.size(); ++j) {
     const auto at = d_count_ + static_cast<Eigen::Index>(j) * n_count_;
     move.segment(at, n_count_) =

@@ -82,7 +82,7 @@ MotionStep motion_step(const Eigen::LLT<Eigen::MatrixXd>& whiten, const Eigen::M
     throw NumericalFailure("the places do not determine the rigid motion");
   }
   MotionStep next;
-  next.coefficients = qr.solve(white(x));
+  next.coefficients = qr.solve(Eigen::VectorXd(white(x)));
   const Eigen::VectorXd left = white(x - rows * next.coefficients);
   next.chi_square = left.squaredNorm();
   Eigen::VectorXd slope = rows * next.coefficients;
@@ -138,8 +138,8 @@ OneScale scaled_by_ties(const TwoSides& mode) {
     moved = x - mode.covariance * a.transpose() * factor.solve(gap);
     chi_square = gap.dot(factor.solve(gap));
     // Condition for a stationary β: λᵀ dA/dβ x = 0 with the moved x.
-    const Eigen::VectorXd weight =
-        factor.solve(at_ties(moved.tail(q), mode.ties.inputs).cwiseProduct(mode.ties.ratio));
+    const Eigen::VectorXd weight = factor.solve(
+        Eigen::VectorXd(at_ties(moved.tail(q), mode.ties.inputs).cwiseProduct(mode.ties.ratio)));
     const double next = weight.dot(l) / weight.dot(r);
     if (!(next > 0.0)) return start;
     const double change = std::abs(next / beta - 1.0);
@@ -197,7 +197,7 @@ Eigen::MatrixXd block_transformation(const Eigen::MatrixXd& outputs, const Eigen
   if (qr.rank() < g * (g + 1) / 2) {
     throw NumericalFailure("the pairs do not determine how the block's sides belong together");
   }
-  const Eigen::VectorXd entries = qr.solve(r.reshaped());
+  const Eigen::VectorXd entries = qr.solve(Eigen::VectorXd(r.reshaped()));
   Eigen::MatrixXd square(g, g);
   Eigen::Index column = 0;
   for (Eigen::Index b = 0; b < g; ++b) {

@@ -55,7 +55,8 @@ Eigen::MatrixXd weight_without_scale(const Eigen::MatrixXd& covariance) {
   const auto n = covariance.rows();
   Eigen::MatrixXd spread = covariance;
   spread.diagonal().array() += 1e-24;
-  const Eigen::MatrixXd weight = spread.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::MatrixXd weight =
+      spread.ldlt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n)));
   const Eigen::VectorXd ones = weight * Eigen::VectorXd::Ones(n);
   return weight - ones * ones.transpose() / ones.sum();
 }

@@ -134,7 +134,7 @@ RigidBody rigid_body(const Eigen::MatrixXd& product, const Eigen::MatrixXd& devi
         "another place, or the modes at 0 Hz are not those of a rigid body");
   }
   RigidBody body;
-  body.mass = inverse.llt().solve(Eigen::MatrixXd::Identity(r, r));
+  body.mass = inverse.llt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(r, r)));
   body.mass = 0.5 * (body.mass + body.mass.transpose()).eval();
   body.modes = body.mass.llt().matrixU().solve(Eigen::MatrixXd::Identity(r, r));
   const auto left = product.size() - spread.cols();

@@ -85,7 +85,7 @@ Block balanced(const Block& block) {
   const auto q = block.right.cols();
   if (p < g || q < g || !block.left.allFinite() || !block.right.allFinite()) return block;
   const Eigen::HouseholderQR<Eigen::MatrixXd> outputs(block.left);
-  const Eigen::HouseholderQR<Eigen::MatrixXd> inputs(block.right.transpose());
+  const Eigen::HouseholderQR<Eigen::MatrixXd> inputs(Eigen::MatrixXd(block.right.transpose()));
   const auto corner = [g](const auto& qr) {
     return Eigen::MatrixXd(qr.matrixQR().topRows(g).template triangularView<Eigen::Upper>());
   };

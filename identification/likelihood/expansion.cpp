@@ -157,8 +157,8 @@ void refine_shapes(const Compressed& small, const FitData& data, bool residual, 
   const auto solved = [](const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& sides) {
     const Eigen::VectorXd unit = matrix.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd scaled = unit.asDiagonal() * matrix * unit.asDiagonal();
-    return Eigen::MatrixXd(unit.asDiagonal() *
-                           Eigen::LDLT<Eigen::MatrixXd>(scaled).solve(unit.asDiagonal() * sides));
+    return Eigen::MatrixXd(unit.asDiagonal() * Eigen::LDLT<Eigen::MatrixXd>(scaled).solve(
+                                                   Eigen::MatrixXd(unit.asDiagonal() * sides)));
   };
   for (int round = 0; round < Constants::expansion_rounds; ++round) {
     Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(left.cols(), p);

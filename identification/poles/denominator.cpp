@@ -134,7 +134,8 @@ Denominator least_denominator(const DenominatorProducts& products, const Eigen::
   const Eigen::VectorXd scale = s.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   Eigen::MatrixXd scaled = scale.asDiagonal() * s * scale.asDiagonal();
   scaled.diagonal().array() += kDiagonalJitter;
-  Eigen::VectorXd c = Eigen::LDLT<Eigen::MatrixXd>(scaled).solve(scale.cwiseProduct(sums));
+  Eigen::VectorXd c =
+      Eigen::LDLT<Eigen::MatrixXd>(scaled).solve(Eigen::VectorXd(scale.cwiseProduct(sums)));
   c = scale.cwiseProduct(c);
   c *= sums(sums.size() - 1) / sums.dot(c);
   return {c, c.dot(s * c), c.dot(products.rounding * c)};

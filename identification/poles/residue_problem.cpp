@@ -120,7 +120,8 @@ Residues ResidueProblem::residues(const std::vector<Eigen::Index>& chosen) const
     const Eigen::LDLT<Eigen::MatrixXd> factor(a);
     const Eigen::VectorXd right = unit.cwiseProduct(responses_[e].right(used));
     const Eigen::VectorXd c = factor.solve(right);
-    const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(a.rows(), a.cols()));
+    const Eigen::MatrixXd inverse =
+        factor.solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(a.rows(), a.cols())));
     put(e, chosen, c, inverse, unit, result);
     result.cost -= right.dot(c);
   }

@@ -99,8 +99,8 @@ int free_motions(const TetMesh& mesh, const std::vector<Joint>& joints, int part
       row += 3;
     }
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(apart.transpose() * apart,
-                                                              Eigen::EigenvaluesOnly);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      Eigen::MatrixXd(apart.transpose() * apart), Eigen::EigenvaluesOnly);
   const double none = 1e-14 * solver.eigenvalues().maxCoeff();
   return static_cast<int>((solver.eigenvalues().array() < none).count()) - 6;
 }

@@ -53,7 +53,7 @@ std::vector<std::string> null_states(const Eigen::MatrixXd& a, const Eigen::Matr
     done.push_back(own);
     all.topRows(n) = a.cast<std::complex<double>>();
     all.topRows(n).diagonal().array() -= own;
-    const Eigen::BDCSVD<Eigen::MatrixXcd> svd(all, Eigen::ComputeThinV);
+    const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(all, Eigen::ComputeThinV);
     for (auto k = n; k-- > 0 && svd.singularValues()(k) <= kNothing * svd.singularValues()(0);) {
       Eigen::Index largest = 0;
       svd.matrixV().col(k).cwiseAbs().maxCoeff(&largest);
@@ -99,14 +99,15 @@ KalmanFilter kalman_filter(const DisturbedModel& system) {
   filter.innovation = symmetric(noisy.c * p * noisy.c.transpose() + noisy.r);
   const Eigen::LLT<Eigen::MatrixXd> innovation(filter.innovation);
   filter.gain =
-      innovation.solve((noisy.a * p * noisy.c.transpose() + noisy.s).transpose()).transpose();
+      innovation.solve(Eigen::MatrixXd((noisy.a * p * noisy.c.transpose() + noisy.s).transpose()))
+          .transpose();
   const auto wanted = system.wanted_count();
   const Eigen::MatrixXd cz = system.model.space.c.bottomRows(wanted);
   const Eigen::MatrixXd through = system.noise_through();
   const Eigen::MatrixXd at_once = through.bottomRows(wanted);
   const Eigen::MatrixXd cross =
       cz * p * noisy.c.transpose() + at_once * through.topRows(system.sensors).transpose();
-  filter.point_gain = innovation.solve(cross.transpose()).transpose();
+  filter.point_gain = innovation.solve(Eigen::MatrixXd(cross.transpose())).transpose();
   filter.prediction_covariance = symmetric(cz * p * cz.transpose() + at_once * at_once.transpose());
   filter.point_covariance =
       symmetric(filter.prediction_covariance - filter.point_gain * cross.transpose());

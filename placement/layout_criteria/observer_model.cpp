@@ -139,7 +139,7 @@ Regulator regulator(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
                                     Eigen::MatrixXd::Identity(q, q), Eigen::MatrixXd::Zero(n, q)});
   const Eigen::MatrixXd seen = result.cost * b;
   const Eigen::MatrixXd worth = b.transpose() * seen + Eigen::MatrixXd::Identity(q, q);
-  result.gain = worth.llt().solve(seen.transpose() * a);
+  result.gain = worth.llt().solve(Eigen::MatrixXd(seen.transpose() * a));
   result.error = result.gain.transpose() * worth * result.gain;
   return result;
 }
@@ -211,7 +211,7 @@ ObserverModel::Filter ObserverModel::filtered(const Disturbed& system,
   filter.before =
       dense::prediction_covariance({system.a, c, system.q(), one, Eigen::MatrixXd::Zero(n, p)});
   filter.innovation = c * filter.before * c.transpose() + one;
-  filter.gain = filter.innovation.llt().solve(c * filter.before).transpose();
+  filter.gain = filter.innovation.llt().solve(Eigen::MatrixXd(c * filter.before)).transpose();
   return filter;
 }
 

@@ -47,7 +47,8 @@ class Layout {
                                         problem.there * scale.asDiagonal();
         known += staying.transpose() * staying;
       }
-      shape.covariance = known.llt().solve(Eigen::MatrixXd::Identity(scale.size(), scale.size()));
+      shape.covariance =
+          known.llt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(scale.size(), scale.size())));
       shapes_.push_back(std::move(shape));
     }
   }

@@ -38,7 +38,7 @@ double best_amplitude(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& 
   matrix = white.asDiagonal() * matrix * white.asDiagonal();
   Eigen::VectorXd z = white.cwiseProduct(values);
   if (trend.cols() > 0) {
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(white.asDiagonal() * trend);
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(Eigen::MatrixXd(white.asDiagonal() * trend));
     const Eigen::MatrixXd basis = qr.householderQ();
     const auto rest = basis.rightCols(values.size() - trend.cols());
     matrix = rest.transpose() * matrix * rest;

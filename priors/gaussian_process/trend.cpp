@@ -21,7 +21,7 @@ Trend rigid_trend(const Points& points, const Eigen::RowVector3d& direction) {
   trend.centre = points.colwise().mean();
   const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - direction.transpose() * direction;
   const Eigen::MatrixXd spread = (points.rowwise() - trend.centre) * across;
-  const Eigen::BDCSVD<Eigen::MatrixXd> axes(finite(spread, "trend: places"), Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> axes(finite(spread, "trend: places"), Eigen::ComputeThinV);
   const Eigen::VectorXd width = axes.singularValues();
   Eigen::Index rank = 0;
   while (rank < std::min<Eigen::Index>(2, width.size()) &&

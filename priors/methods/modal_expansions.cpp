@@ -64,7 +64,8 @@ std::unique_ptr<ModeField> least_squares(const MeasuredShapes& measured,
   std::vector<ShapeCoefficients> shapes;
   const auto r = simulation.mode_count();
   const auto k = static_cast<Eigen::Index>(columns.size());
-  const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(rows.rows(), rows.rows()));
+  const Eigen::MatrixXd inverse =
+      factor.solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(rows.rows(), rows.rows())));
   for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
     ShapeCoefficients shape{Eigen::VectorXd::Zero(r), Eigen::MatrixXd::Zero(r, rows.rows()), 0.0};
     shape.mean(columns) = inverse * measured.values.col(i);

@@ -16,7 +16,7 @@ namespace {
 // The lower triangular root of F Fᵀ.
 Eigen::MatrixXd triangular(const Eigen::MatrixXd& root) {
   const Eigen::Index r = root.rows();
-  const Eigen::HouseholderQR<Eigen::MatrixXd> factor(root.transpose());
+  const Eigen::HouseholderQR<Eigen::MatrixXd> factor(Eigen::MatrixXd(root.transpose()));
   Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(r, r);
   const auto rows = std::min(r, root.cols());
   lower.leftCols(rows) =

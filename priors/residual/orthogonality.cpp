@@ -34,7 +34,7 @@ ShapeCoefficients given_others(const ShapeCoefficients& alone,
     throw NumericalFailure("orthogonality: the shapes leave no positive covariance");
   }
   ShapeCoefficients better = alone;
-  better.mean -= alone.root * factor.solve(seen.transpose() * (rows * alone.mean));
+  better.mean -= alone.root * factor.solve(Eigen::VectorXd(seen.transpose() * (rows * alone.mean)));
   better.root = factor.matrixU().solve<Eigen::OnTheRight>(alone.root);
   return better;
 }

@@ -125,7 +125,7 @@ RandomCoefficients::Posterior RandomCoefficients::posterior() const {
     throw NumericalFailure("random coefficients: the posterior is not positive definite");
   }
   Posterior known;
-  known.mean = factor.solve(whitened_.transpose() * values_);
+  known.mean = factor.solve(Eigen::VectorXd(whitened_.transpose() * values_));
   known.root = factor.matrixU().solve(Eigen::MatrixXd::Identity(k, k));
   return known;
 }

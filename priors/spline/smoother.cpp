@@ -57,7 +57,7 @@ Smoother::Smoother(const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& trend,
           "smoother: a deviation is not positive");
   const Eigen::VectorXd inverse = deviation.cwiseInverse();
   scaled_ = inverse.asDiagonal() * kernel * inverse.asDiagonal();
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(inverse.asDiagonal() * trend);
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(Eigen::MatrixXd(inverse.asDiagonal() * trend));
   const Eigen::MatrixXd q = qr.householderQ();
   free_ = q.leftCols(p);
   triangle_ = qr.matrixQR().topRows(p).triangularView<Eigen::Upper>();

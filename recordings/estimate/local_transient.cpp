@@ -50,7 +50,7 @@ Window window_at(Index line, Index periods, Index last) {
     window.powers.col(d) = window.powers.col(d - 1).cwiseProduct(window.offset);
   }
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(window.powers);
-  window.fit = qr.solve(Eigen::MatrixXd::Identity(kNeighbours, kNeighbours));
+  window.fit = qr.solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(kNeighbours, kNeighbours)));
   const Eigen::MatrixXd q = qr.householderQ();
   window.rest = q.rightCols(kFreedom).transpose();
   window.leverage = window.fit.row(0).squaredNorm();

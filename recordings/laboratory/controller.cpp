@@ -62,7 +62,8 @@ modal::ReducedModel in_view(const modal::ReducedModel& model) {
   modal::check(model);
   const auto r = model.rigid_count;
   if (r == 0 || model.damper_count() > 0) return model;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(model.output_shapes.leftCols(r), Eigen::ComputeFullV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(Eigen::MatrixXd(model.output_shapes.leftCols(r)),
+                                              Eigen::ComputeFullV);
   const auto& values = svd.singularValues();
   const double largest = model.output_shapes.cwiseAbs().maxCoeff();
   Eigen::Index seen = 0;

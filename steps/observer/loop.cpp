@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +9,7 @@
 #include "base/draw.h"
 #include "base/error.h"
 #include "base/turn.h"
+#include "dense/algebra.h"
 #include "modal/feedback.h"
 #include "recordings/virtual_experiment.h"
 #include "steps/observer_loop.h"
@@ -77,10 +77,6 @@ std::vector<Eigen::Index> driven(const study::Study& study, const IdentifiedMode
   return actuators;
 }
 
-Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& m) {
-  return m.completeOrthogonalDecomposition().pseudoInverse();
-}
-
 // The whole samples, one or more, that the computer takes.
 Eigen::Index samples_of(double delay_s, double sample_time_s) {
   constexpr double kMost = 1000.0;  // each is a state of the loop
@@ -135,7 +131,7 @@ LoopModels loop_models(const study::Study& study, const Observer& observer, Loop
   auto& sensors = result.sensors;
   sensors.actuators = driven(study, model);
   sensors.law = law_of(model, axes, sensors.actuators, plan.bandwidth_hz, observer.sample_time_s);
-  sensors.sensors = pseudo_inverse(model.match.shapes.topRows(p).leftCols(axes));
+  sensors.sensors = dense::pseudo_inverse(model.match.shapes.topRows(p).leftCols(axes));
   sensors.delay = samples_of(plan.delay, observer.sample_time_s);
   trial.delay_s = static_cast<double>(sensors.delay) * observer.sample_time_s;
   result.estimate = sensors;
@@ -145,7 +141,7 @@ LoopModels loop_models(const study::Study& study, const Observer& observer, Loop
   // as it is estimated to move.
   const auto n = std::ssize(observer.names());
   const Eigen::RowVectorXd at_point = observer.places.at_points.shapes.row(0).head(axes);
-  const Eigen::VectorXd back = pseudo_inverse(at_point);
+  const Eigen::VectorXd back = dense::pseudo_inverse(at_point);
   auto& points = result.estimate.points = Eigen::MatrixXd::Zero(axes, n + axes);
   points.rightCols(axes) = Eigen::MatrixXd::Identity(axes, axes) - back * at_point;
   points.col(0) = back;

@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "base/error.h"
+#include "dense/algebra.h"
 #include "identification/decoupling.h"
 #include "priors/interpolator.h"
 #include "steps/observer/stated.h"
@@ -47,7 +47,7 @@ std::vector<Eigen::MatrixXd> static_weights(const Observer& observer) {
   for (Eigen::Index k = 1; k <= std::min(p, at_points.cols()); ++k) {
     const Eigen::MatrixXd at_sensors = match.shapes.topRows(p).leftCols(k);
     weights.push_back(at_points.bottomRows(observer.judges).leftCols(k) *
-                      at_sensors.completeOrthogonalDecomposition().pseudoInverse());
+                      dense::pseudo_inverse(at_sensors));
   }
   return weights;
 }
@@ -69,8 +69,7 @@ Eigen::MatrixXd rigid_weights(const study::Study& study, const Observer& observe
   }
   const Eigen::Vector3d about = frame->places.colwise().mean().transpose();
   const auto seen = identification::rigid_motions(*frame, about);
-  return identification::rigid_motions(at, about) *
-         seen.completeOrthogonalDecomposition().pseudoInverse();
+  return identification::rigid_motions(at, about) * dense::pseudo_inverse(seen);
 }
 
 modal::KalmanFilter without_sensors(modal::KalmanFilter filter) {

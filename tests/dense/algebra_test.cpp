@@ -23,6 +23,24 @@ TEST(OrthonormalBasis, SpansWhatTheColumnsSpan) {
   }
 }
 
+TEST(PseudoInverse, HasThePropertiesOfPenrose) {
+  Draw draw(9);
+  const auto drawn = [&](Eigen::Index rows, Eigen::Index columns) {
+    Eigen::MatrixXd a(rows, columns);
+    for (double& value : a.reshaped()) value = draw.normal();
+    return a;
+  };
+  // Tall, wide, square, of a rank below both sides.
+  for (const Eigen::MatrixXd& a :
+       {drawn(9, 4), drawn(4, 9), drawn(6, 6), Eigen::MatrixXd(drawn(8, 3) * drawn(3, 7))}) {
+    const Eigen::MatrixXd inverse = pseudo_inverse(a);
+    EXPECT_TRUE((a * inverse * a).isApprox(a, 1e-12));
+    EXPECT_TRUE((inverse * a * inverse).isApprox(inverse, 1e-12));
+    EXPECT_TRUE((a * inverse).isApprox((a * inverse).transpose(), 1e-12));
+    EXPECT_TRUE((inverse * a).isApprox((inverse * a).transpose(), 1e-12));
+  }
+}
+
 TEST(AddTransposedProduct, IsThatOfTheFormula) {
   Draw draw(8);
   const auto drawn = [&](Eigen::Index rows, Eigen::Index columns) {

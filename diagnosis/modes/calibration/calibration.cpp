@@ -58,8 +58,8 @@ VectorXd scaling(const MatrixXd& slopes, const VectorXd& width) {
   const double size = covariance.diagonal().mean();
   if (!(size > 0.0)) return VectorXd::Zero(width.size());
   covariance.diagonal().array() += 1e-4 * size;
-  const VectorXd by =
-      spread * slopes.transpose() * covariance.ldlt().solve(VectorXd::Ones(slopes.rows()));
+  const VectorXd by = spread * slopes.transpose() *
+                      covariance.ldlt().solve(VectorXd(VectorXd::Ones(slopes.rows())));
   const double reached = (slopes * by).mean();
   if (!(reached > 0.5)) return VectorXd::Zero(width.size());
   return by / reached;

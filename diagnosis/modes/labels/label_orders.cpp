@@ -203,7 +203,8 @@ class Turns {
         MatrixXd normal = shown.transpose() * weight.asDiagonal() * shown;
         normal.diagonal() += weight.sum() * ridge_[at(k)];
         normal.diagonal().array() += 1e-9;
-        parts = normal.ldlt().solve(shown.transpose() * weight.cwiseProduct(value));
+        parts =
+            normal.ldlt().solve(Eigen::VectorXd(shown.transpose() * weight.cwiseProduct(value)));
         const VectorXd off = (value - shown * parts) / width;
         weight = has_value.array() / (1.0 + off.array().square());
       }

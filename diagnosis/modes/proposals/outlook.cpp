@@ -150,7 +150,7 @@ double separation(const Forecast& a, const Forecast& b, const VectorXd& variance
   };
   const MatrixXd first = covariance(a.spread);
   const MatrixXd second = covariance(b.spread);
-  const Eigen::LLT<MatrixXd> mean(0.5 * (first + second));
+  const Eigen::LLT<MatrixXd> mean(MatrixXd(0.5 * (first + second)));
   const VectorXd apart = unit.cwiseProduct(a.mean(rows) - b.mean(rows));
   const double volume =
       log_determinant(mean) - 0.5 * (log_determinant(first.llt()) + log_determinant(second.llt()));

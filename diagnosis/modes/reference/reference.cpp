@@ -55,10 +55,11 @@ Anchors anchors_of(const ModesProblem& problem, const ModesFit& fit) {
     anchors.motion.col(a) = turned[at(a)];
     anchors.omega(a) = 2.0 * std::numbers::pi * reference.frequency_hz(anchors.reference[at(a)]);
   }
-  Eigen::SelfAdjointEigenSolver<MatrixXd> gram(anchors.motion.transpose() * anchors.motion);
+  Eigen::SelfAdjointEigenSolver<MatrixXd> gram(
+      MatrixXd(anchors.motion.transpose() * anchors.motion));
   if (count > 0 && gram.eigenvalues()(0) < kConstants.least_turned) {
     for (Index a = 0; a < count; ++a) anchors.motion.col(a) = plain[at(a)];
-    gram.compute(anchors.motion.transpose() * anchors.motion);
+    gram.compute(MatrixXd(anchors.motion.transpose() * anchors.motion));
   }
   if (count > 0) anchors.motion *= gram.operatorInverseSqrt();
   return anchors;

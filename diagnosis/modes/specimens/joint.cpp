@@ -156,14 +156,14 @@ JointFit JointModel::fitted(const Supposition& supposed, const VectorXd& start) 
   };
   const auto scored = [&](const VectorXd& x, bool with_slopes) {
     Scored result;
-    const Eigen::LLT<MatrixXd> factor(covariance(x) + more);
+    const Eigen::LLT<MatrixXd> factor(MatrixXd(covariance(x) + more));
     if (factor.info() != Eigen::Success) return result;
     const Index n = series_.count();
     result.weighted = factor.solve(series_.error);
     result.value = 0.5 * series_.error.dot(result.weighted) +
                    factor.matrixLLT().diagonal().array().log().sum() + 0.5 * off(x).squaredNorm();
     if (!with_slopes) return result;
-    result.inverse = factor.solve(MatrixXd::Identity(n, n));
+    result.inverse = factor.solve(MatrixXd(MatrixXd::Identity(n, n)));
     std::vector<MatrixXd> parts;
     result.gradient = off(x).cwiseQuotient(width_);
     for (Index j = 0; j < x.size(); ++j) {

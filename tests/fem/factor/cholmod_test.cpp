@@ -13,7 +13,7 @@
 #include "fem/factor_check.h"
 #include "host/parallel.h"
 #include "mesh/bodies.h"
-#include "random_body.h"
+#include "../random_body.h"
 
 extern "C" int omp_get_max_active_levels() __attribute__((weak));
 

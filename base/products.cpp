@@ -1,0 +1,7 @@
+#include "base/products.h"
+
+namespace Eigen::internal {
+
+CHLADNI_PRODUCTS()
+
+}  // namespace Eigen::internal
