@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <complex>
 
-// CHLADNI_PRODUCTS(extern or nothing): declares them, or compiles them.
+// `how` is extern, which declares them, or nothing, which compiles them.
 #define CHLADNI_MATRIX_TIMES_VECTOR(how, scalar, order, other, version)                  \
   how template struct general_matrix_vector_product<                                     \
       Index, scalar, const_blas_data_mapper<scalar, Index, order>, order, false, scalar, \
