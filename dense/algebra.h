@@ -30,6 +30,14 @@ void add_gram(const Eigen::Ref<const Eigen::MatrixXd>& a, Eigen::MatrixXd& c);
 /// By Eigen, like the basis.
 [[nodiscard]] Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& a);
 
+/// The inverse of a matrix through its factor, an `Eigen::LLT` or `LDLT` of it; of a tall matrix
+/// through its QR decomposition the left inverse. One vector is better solved for.
+template <typename Factor>
+[[nodiscard]] Eigen::MatrixXd inverse_of(const Factor& factor) {
+  const Eigen::MatrixXd units = Eigen::MatrixXd::Identity(factor.rows(), factor.rows());
+  return factor.solve(units);
+}
+
 /// C := C + s A B.
 void add_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double s, Eigen::MatrixXd& c);
 

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/finite.h"
+#include "dense/algebra.h"
 #include "identification/constants.h"
 
 namespace chladni::identification {
@@ -55,8 +56,7 @@ Eigen::MatrixXd weight_without_scale(const Eigen::MatrixXd& covariance) {
   const auto n = covariance.rows();
   Eigen::MatrixXd spread = covariance;
   spread.diagonal().array() += 1e-24;
-  const Eigen::MatrixXd weight =
-      spread.ldlt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n)));
+  const Eigen::MatrixXd weight = dense::inverse_of(spread.ldlt());
   const Eigen::VectorXd ones = weight * Eigen::VectorXd::Ones(n);
   return weight - ones * ones.transpose() / ones.sum();
 }

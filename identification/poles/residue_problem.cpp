@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "dense/algebra.h"
 #include "dense/blas.h"
 #include "identification/poles/pole_products.h"
 
@@ -120,8 +121,7 @@ Residues ResidueProblem::residues(const std::vector<Eigen::Index>& chosen) const
     const Eigen::LDLT<Eigen::MatrixXd> factor(a);
     const Eigen::VectorXd right = unit.cwiseProduct(responses_[e].right(used));
     const Eigen::VectorXd c = factor.solve(right);
-    const Eigen::MatrixXd inverse =
-        factor.solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(a.rows(), a.cols())));
+    const Eigen::MatrixXd inverse = dense::inverse_of(factor);
     put(e, chosen, c, inverse, unit, result);
     result.cost -= right.dot(c);
   }

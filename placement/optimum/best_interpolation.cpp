@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
+#include "dense/algebra.h"
 #include "host/parallel.h"
 #include "placement/interpolation.h"
 #include "placement/optimum/spacing.h"
@@ -47,8 +48,7 @@ class Layout {
                                         problem.there * scale.asDiagonal();
         known += staying.transpose() * staying;
       }
-      shape.covariance =
-          known.llt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(scale.size(), scale.size())));
+      shape.covariance = dense::inverse_of(known.llt());
       shapes_.push_back(std::move(shape));
     }
   }

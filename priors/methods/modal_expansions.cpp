@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "dense/algebra.h"
 #include "priors/constants.h"
 #include "priors/methods/interpolators.h"
 #include "priors/methods/modal_field.h"
@@ -64,8 +65,7 @@ std::unique_ptr<ModeField> least_squares(const MeasuredShapes& measured,
   std::vector<ShapeCoefficients> shapes;
   const auto r = simulation.mode_count();
   const auto k = static_cast<Eigen::Index>(columns.size());
-  const Eigen::MatrixXd inverse =
-      factor.solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(rows.rows(), rows.rows())));
+  const Eigen::MatrixXd inverse = dense::inverse_of(factor);
   for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
     ShapeCoefficients shape{Eigen::VectorXd::Zero(r), Eigen::MatrixXd::Zero(r, rows.rows()), 0.0};
     shape.mean(columns) = inverse * measured.values.col(i);

@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "base/error.h"
+#include "modal/frf.h"
 #include "placement/constants.h"
 #include "tests/placement/plate.h"
 
@@ -108,6 +111,25 @@ TEST_P(EveryLayoutCriterion, SaysThatItDoesNotApplyToAnEmptyLayout) {
 INSTANTIATE_TEST_SUITE_P(LayoutCriteria, EveryLayoutCriterion,
                          ::testing::ValuesIn(layout_criteria().begin(), layout_criteria().end()),
                          [](const auto& one) { return std::string(one.param->name); });
+
+// The criterion `response` of separate modes is half of the largest receptance that each has by
+// itself, over all channels: ‖φ_s‖ ‖φ_a‖ / 2ζω² at its resonance.
+TEST(Layout, ItsResponseIsHalfOfTheWeakestPeak) {
+  auto view = some_view();
+  view.groups = {{.first = 0, .size = 1}};
+  modal::ReducedModel mode;
+  mode.frequency_hz = view.frequency_hz.head(1);
+  mode.damping_ratio = view.damping_ratio.head(1);
+  mode.output_shapes = view.sensors.leftCols(1);
+  mode.input_shapes = view.actuators.leftCols(1).transpose();
+  mode.residual.setZero(view.sensors.rows(), view.actuators.rows());
+  const auto peak = modal::frf(mode, mode.frequency_hz).value.front();
+  const auto& all = layout_criteria();
+  const auto response = std::ranges::find(all, std::string_view("response"),
+                                          [](const auto* one) { return one->name; });
+  ASSERT_NE(response, all.end());
+  EXPECT_NEAR((*response)->value(view), 0.5 * peak.norm(), 1e-9 * peak.norm());
+}
 
 TEST(Layout, CountsPairsOnce) {
   const auto view = some_view();
