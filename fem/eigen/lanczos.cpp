@@ -226,6 +226,17 @@ bool is_done(const Ritz& r, double s, const LanczosOptions& options, Eigen::Inde
   return false;
 }
 
+// Block steps from one look at the Ritz values to the next. A look costs size³ and a step n · size,
+// so in a small system, or for many modes, the steps between must be worth one; the basis then
+// grows by a sixteenth more than it must, at most.
+int steps_to_next_look(Eigen::Index n, Eigen::Index size, Eigen::Index block) {
+  const auto k = static_cast<double>(size);
+  const double look = 40.0 * k * k * k;  // operations, those of BLAS 2 counted five times
+  const double step = 8.0 * static_cast<double>(n) * k * static_cast<double>(block);
+  const double most = std::max(1.0, k / (16.0 * static_cast<double>(block)));
+  return static_cast<int>(std::clamp(look / step, 1.0, most));
+}
+
 // φ + r/θ: the Ritz vectors after one more application of the operator, mass-normalised.
 // r is the remainder from the last block.
 Matrix purified(Basis& basis, const Ritz& r, const Matrix& next, const Matrix& last,
@@ -256,6 +267,21 @@ Block start_block(Basis& basis, const Factorization& factor, Eigen::Index rows,
   return q;
 }
 
+// One block step: q joins the basis and T, `next` is the block after it. Returns R of the
+// remainder.
+Matrix advanced(Basis& basis, const Factorization& factor, const Block& q, Block& next, Matrix& t) {
+  const Eigen::Index before = basis.size();
+  basis.append(q.v);
+  next.v = factor.solve(q.mv);
+  next.image_fits = false;
+  const double scale = next.v.norm();
+  const Matrix along = basis.orthogonalise(next);
+  t.conservativeResize(basis.size(), basis.size());
+  t.middleCols(before, q.v.cols()) = along;
+  t.middleRows(before, q.v.cols()) = along.transpose();
+  return basis.normalise(next, scale / std::sqrt(static_cast<double>(q.v.rows())));
+}
+
 }  // namespace
 
 double lanczos_basis_size(int wanted, int block) { return 2.5 * wanted + 12.0 * block; }
@@ -275,24 +301,22 @@ LanczosResult lanczos(const System& system, const Factorization& factor, double 
 
   Matrix t;
   Block next;
+  int next_look = 1;
   for (Eigen::Index converged = 0;;) {
     throw_if_interrupted();
-    const Eigen::Index before = basis.size();
-    basis.append(q.v);
-    next.v = factor.solve(q.mv);
-    next.image_fits = false;
+    const Matrix last = advanced(basis, factor, q, next, t);
     result.solves += static_cast<int>(q.v.cols());
     ++result.block_steps;
-    const double scale = next.v.norm();
-    const Matrix along = basis.orthogonalise(next);
-    t.conservativeResize(basis.size(), basis.size());
-    t.middleCols(before, q.v.cols()) = along;
-    t.middleRows(before, q.v.cols()) = along.transpose();
-    const Matrix last = basis.normalise(next, scale / std::sqrt(double(n)));
+    const bool is_full = next.v.cols() == 0 || basis.size() >= n - known.cols();
+    if (result.block_steps < next_look && !is_full && basis.size() < limit) {
+      std::swap(q, next);
+      continue;
+    }
+    next_look = result.block_steps + steps_to_next_look(n, basis.size(), q.v.cols());
     const Ritz r = ritz(t, last);
     const bool done = is_done(r, s, options, converged);
     tell(progress, "iterate", std::min(1.0, double(converged) / options.wanted));
-    if (!done && (next.v.cols() == 0 || basis.size() >= n - known.cols())) {  // the space is full
+    if (!done && is_full) {
       converged = std::min<Eigen::Index>(r.theta.size(), (r.theta.array() > 0.0).count());
     } else if (!done && basis.size() < limit) {
       std::swap(q, next);

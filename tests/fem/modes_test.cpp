@@ -232,6 +232,19 @@ TEST(Modes, OfAllThatThereAreAreFound) {
   EXPECT_EQ(found.mode_count(), 6);
 }
 
+// The basis grows to more than half of the space, and the Ritz values are looked at now and then.
+TEST(Modes, OfAThirdOfAllMatchTheClosedForm) {
+  constexpr int kMasses = 900;
+  const auto result = modes(free_chain(kMasses, 1e6, 2.0), {.count = 300});
+  ASSERT_GE(result.modes.mode_count(), 301);
+  EXPECT_TRUE(result.summary.complete);
+  for (Eigen::Index k = 1; k <= 300; ++k) {
+    const double angle = static_cast<double>(k) * std::numbers::pi / (2.0 * kMasses);
+    const double exact = 2.0 * std::sqrt(1e6 / 2.0) * std::sin(angle) / kTwoPi;
+    EXPECT_NEAR(result.modes.frequency_hz(k), exact, 1e-9 * exact) << k;
+  }
+}
+
 TEST(Modes, SayWhenTheMassIsNotPositiveDefinite) {
   EXPECT_THROW((void)modes(free_chain(30, 1e7, -0.1), {.count = 3}), NumericalFailure);
 }
