@@ -289,9 +289,9 @@ TetMesh layered(const Disc& disc, const Layering& layering) {
   require_fit(disc);
   require_fit(layering);
   const double across = disc.diameter / layering.edge_length;
-  require(across * across * layering.layers < 2e7,
-          "mesh: the edge length makes more than 50 million tetrahedra of the disc; take a longer "
-          "one");
+  require(across * across * layering.layers < 4e6,
+          "mesh: the edge length makes more than 10 million tetrahedra of the disc; take a longer "
+          "one, or look at the unit of the dimensions");
   const Rings rings = rings_of(disc, layering.edge_length);
   const int n = static_cast<int>(rings.points.size());
   std::vector<std::array<int, 4>> tets;

@@ -166,14 +166,18 @@ std::array<std::array<Lattice, 4>, 6> kuhn_simplices(const Lattice& brick) {
   return tets;
 }
 
+constexpr double kMostBricks = 2e6;  // half a minute and 2 GB beside K and M
+
 }  // namespace
 
 BrickGrid BrickGrid::block(std::vector<double> x, std::vector<double> y, std::vector<double> z) {
   const double bricks = static_cast<double>(x.size() - 1) * static_cast<double>(y.size() - 1) *
                         static_cast<double>(z.size() - 1);
-  require(bricks <= 2e7, "mesh: " + fmt::to_string(static_cast<long long>(bricks)) +
-                             " bricks of six tetrahedra, at most 20 million can be laid; take a "
-                             "longer edge length");
+  require(
+      bricks <= kMostBricks,
+      fmt::format("mesh: {:.3g} million bricks of six tetrahedra, at most {:.0f} million can be "
+                  "laid; take a longer edge length, or look at the unit of the dimensions",
+                  1e-6 * bricks, 1e-6 * kMostBricks));
   BrickGrid grid;
   grid.kind.assign((x.size() - 1) * (y.size() - 1) * (z.size() - 1), 0);
   grid.x = std::move(x);

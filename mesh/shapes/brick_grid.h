@@ -18,7 +18,8 @@ struct BrickGrid {
   std::vector<std::int8_t> kind;
   std::vector<std::string> void_patch;
 
-  /// A grid of filled bricks. @throws InvalidInput  more than 20 million bricks
+  /// A grid of filled bricks. @throws InvalidInput  more than 2 million bricks, of which quadratic
+  /// tetrahedra have 48 million degrees of freedom
   static BrickGrid block(std::vector<double> x, std::vector<double> y, std::vector<double> z);
   [[nodiscard]] std::size_t brick(int i, int j, int k) const;  ///< index into `kind`
 };

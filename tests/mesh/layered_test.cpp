@@ -4,6 +4,7 @@
 #include <ctime>
 #include <limits>
 #include <numbers>
+#include <string>
 
 #include "base/error.h"
 #include "mesh/bodies.h"
@@ -315,6 +316,20 @@ TEST(Layered, RefusesSizesThatCannotBeMeant) {
   WaferTable bored = kLayeredTable;
   bored.bores.push_back({.centre = {0.0, 0.0}, .diameter = 0.01});
   EXPECT_THROW(static_cast<void>(layered(bored, 0.03, 1)), InvalidInput);
+}
+
+// A slip of units must not take minutes and the memory: it is refused before anything is laid.
+TEST(Layered, RefusesMoreCellsThanAnybodySolves) {
+  const auto refused = [](const auto& body, double edge) {
+    try {
+      (void)layered(body, {.edge_length = edge, .layers = 1});
+    } catch (const InvalidInput& e) {
+      return std::string(e.what()).find("unit of the dimensions") != std::string::npos;
+    }
+    return false;
+  };
+  EXPECT_TRUE(refused(Plate{.length = 1000.0, .width = 600.0, .thickness = 5.0}, 0.2));
+  EXPECT_TRUE(refused(Disc{.diameter = 1000.0, .thickness = 5.0}, 0.2));
 }
 
 }  // namespace
