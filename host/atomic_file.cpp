@@ -13,34 +13,15 @@
 #include <utility>
 
 #include "base/error.h"
+#include "host/descriptor.h"
 #include "host/held_signal.h"
+#include "host/input_file.h"
+#include "host/unless_interrupted.h"
 
 namespace chladni {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string reason(int error) { return std::generic_category().message(error); }
-
-// A file descriptor that is closed at the end of its scope.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() { static_cast<void>(close()); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  Descriptor(Descriptor&&) = delete;
-  Descriptor& operator=(Descriptor&&) = delete;
-
-  [[nodiscard]] int number() const { return number_; }
-  [[nodiscard]] int close() {
-    const int closing = std::exchange(number_, -1);
-    return closing < 0 ? 0 : ::close(closing);
-  }
-
- private:
-  int number_;
-};
 
 // Writes to a descriptor and keeps the first error, which a std::ofstream would lose.
 class DescriptorBuffer : public std::streambuf {
@@ -69,8 +50,8 @@ class DescriptorBuffer : public std::streambuf {
  private:
   bool write_whole(const char* bytes, std::streamsize count) {
     while (count > 0 && error_ == 0) {
-      const auto written = ::write(descriptor_, bytes, static_cast<std::size_t>(count));
-      if (written < 0 && errno == EINTR) continue;
+      const auto written = unless_interrupted(
+          [&] { return ::write(descriptor_, bytes, static_cast<std::size_t>(count)); });
       if (written < 0) error_ = errno;
       bytes += written;
       count -= written;
@@ -82,12 +63,6 @@ class DescriptorBuffer : public std::streambuf {
   int error_ = 0;
   std::array<char, 65536> block_;
 };
-
-// Whether the machine ran out of a resource. Otherwise the caller named a bad place.
-bool is_shortage(int error) {
-  return error == ENOSPC || error == EDQUOT || error == EFBIG || error == EIO || error == EMFILE ||
-         error == ENFILE || error == ENOMEM;
-}
 
 fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
@@ -182,32 +157,21 @@ void write_atomically_at(const fs::path& file, const std::function<void(const fs
 }
 
 std::string read_whole(const fs::path& file, std::size_t limit) {
-  const auto refused = [&file](const std::string& why) {
-    return InvalidInput(file.string() + ": " + why + "; expected a file that can be read");
+  InputFile source(file);
+  const auto too_long = [&] {
+    return InvalidInput(file.string() + ": more than " + std::to_string(limit) +
+                        " bytes; expected a file that can be read");
   };
-  const auto refuse_for = [&](int error) {
-    if (!is_shortage(error)) throw refused(reason(error));
-    throw OutOfResources(file.string() + ": cannot be read: " + reason(error));
-  };
-  // O_NONBLOCK: opening a pipe without a writer must not wait.
-  const Descriptor source(open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
-  struct stat status = {};
-  if (source.number() < 0 || fstat(source.number(), &status) != 0) refuse_for(errno);
-  if (S_ISDIR(status.st_mode)) throw refused("is a folder");
-  if (!S_ISREG(status.st_mode)) throw refused("is not a regular file");
-  const auto too_long = [&] { return refused("more than " + std::to_string(limit) + " bytes"); };
-  const auto size = static_cast<std::size_t>(status.st_size);
+  const auto size = source.size();
   if (size > limit) throw too_long();
   std::string content;
   try {
     content.resize(size + 1);  // one more byte: a read of 0 bytes shows the end
     std::size_t used = 0;
     for (;;) {
-      const auto count = ::read(source.number(), content.data() + used, content.size() - used);
-      if (count < 0 && errno == EINTR) continue;
-      if (count < 0) refuse_for(errno);
+      const auto count = source.read(content.data() + used, content.size() - used);
       if (count == 0) break;
-      used += static_cast<std::size_t>(count);
+      used += count;
       if (used > limit) throw too_long();
       if (used == content.size()) content.resize(2 * used);
     }

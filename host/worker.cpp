@@ -23,6 +23,7 @@
 #include "host/confinement.h"
 #include "host/held_signal.h"
 #include "host/memory.h"
+#include "host/unless_interrupted.h"
 
 namespace chladni {
 namespace {
@@ -160,9 +161,7 @@ class Worker {
 
 void refuse_failed_start(const fs::path& program, int start) {
   int error = 0;
-  ssize_t count = 0;
-  do count = read(start, &error, sizeof error);
-  while (count < 0 && errno == EINTR);
+  const auto count = unless_interrupted([&] { return read(start, &error, sizeof error); });
   if (count != sizeof error) return;
   throw WorkerDied(program.filename().string() + " could not start (" + program.string() +
                    "): " + std::generic_category().message(error));
@@ -241,10 +240,11 @@ class Talk {
 
   bool give() {
     if (pipes_.input.write_end < 0) return false;
-    const auto count = ::write(pipes_.input.write_end, left_.data(), left_.size());
+    const auto count = unless_interrupted(
+        [&] { return ::write(pipes_.input.write_end, left_.data(), left_.size()); });
     if (count > 0) left_.remove_prefix(static_cast<std::size_t>(count));
     // EPIPE: the worker does not read the rest. Its exit status shows whether that is an error.
-    if (left_.empty() || (count < 0 && errno != EAGAIN && errno != EINTR)) {
+    if (left_.empty() || (count < 0 && errno != EAGAIN)) {
       Pipe::close_end(pipes_.input.write_end);
     }
     return count > 0;
@@ -252,9 +252,14 @@ class Talk {
 
   bool take(int& end, std::string& into) try {
     if (end < 0) return false;
-    const auto count = ::read(end, block_.data(), block_.size());
+    const auto count =
+        unless_interrupted([&] { return ::read(end, block_.data(), block_.size()); });
+    if (count < 0 && errno != EAGAIN) {
+      throw WorkerDied("what " + worker_ + " writes cannot be read: " +
+                       std::generic_category().message(errno));
+    }
     if (count > 0) into.append(block_.data(), static_cast<std::size_t>(count));
-    if (count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR)) Pipe::close_end(end);
+    if (count == 0) Pipe::close_end(end);
     return count > 0;
   } catch (const std::bad_alloc&) {
     throw OutOfResources("no memory for what " + worker_ + " writes after " +

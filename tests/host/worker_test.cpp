@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
+#include "tests/sanitizer.h"
 
 namespace chladni {
 namespace {
@@ -139,6 +140,7 @@ TEST(Worker, MayWriteAllThatItsReplyMayHave) {
 
 // A quarter of the memory that there is bounds what is kept, whatever the caller allows.
 TEST(WorkerDeathTest, ThatBabblesLeavesTheParentItsMemory) {
+  if (!kAddressesMayBeLimited) GTEST_SKIP() << "a sanitizer needs all addresses";
   const auto babble = [] {
     const rlimit most = {std::size_t{1} << 30U, std::size_t{1} << 30U};
     setrlimit(RLIMIT_AS, &most);
