@@ -36,6 +36,10 @@ struct Constants : ModeConstants {
   double outside_excess = 60.0;
   /// [1] Causes are all there is above this probability. It limits causes in doubt, too. Chosen.
   double believed = 0.5;
+  /// [width] Changes of the whole body up to so many widths of their priors are this body's. Chosen.
+  double usual_body = 3.0;
+  /// [1] Prior odds that the data are of another body. Chosen: a slip once in a hundred studies.
+  double another_body = 0.01;
   /// [1] The causes explain little if more than this part of the misfit is left. Chosen.
   double left_at_most = 0.2;
   /// [1] Probability at most of a cause beside something unnamed. Chosen.

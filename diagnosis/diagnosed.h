@@ -53,6 +53,7 @@ struct Explanation {
   double strained = 0.0;      ///< remaining penalised misfit χ² + ηᵀη
   double error_excess = 0.0;  ///< part of `excess` that errors of the causes may explain (error_of)
   std::size_t fit = 0;        ///< index in Found::fits
+  double another_body = 0.0;  ///< probability that modes are of another body instead
   double promise = 0.0;       ///< possible gain of log_evidence; 0 if the fit has converged
 };
 

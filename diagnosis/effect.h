@@ -79,6 +79,8 @@ struct Effect {
   bool is_gain = false;
   /// It scales the body or all responses: the weight of the body tells such effects apart.
   bool is_scale = false;
+  /// Its sizes are the material's or the dimensions' of the whole body.
+  bool is_of_body = false;
   InStudy in_study = {};
 };
 

@@ -50,6 +50,7 @@ constinit const Effect orthotropy{
     .implied = implied,
     .simpler = {{&youngs_modulus}},
     .tolerance = &Tolerances::orthotropy,
+    .is_of_body = true,
     .in_study = {.table = InStudy::Table::materials,
                  .keys = {{.key = "symmetry", .how = StudyKey::How::computed},
                           {.key = "youngs_modulus", .how = StudyKey::How::computed},

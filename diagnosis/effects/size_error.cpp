@@ -93,6 +93,7 @@ constinit const Effect size_error{
     .starts = size_steps,
     .change = stretching,
     .error = 0.005,
+    .is_of_body = true,
     .in_study = {.table = InStudy::Table::geometry,
                  .keys = {{"length", "relative", "", StudyKey::How::times_one_plus},
                           {"width", "relative", "", StudyKey::How::times_one_plus},

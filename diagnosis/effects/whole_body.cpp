@@ -88,6 +88,7 @@ constinit const Effect youngs_modulus{
     .starts = by_half,
     .tolerance = &Tolerances::modulus,
     .is_scale = true,
+    .is_of_body = true,
     .in_study =
         scaled(InStudy::Table::materials, {"youngs_modulus", "shear_modulus", "c11", "c12", "c44"}),
 };
@@ -103,6 +104,7 @@ constinit const Effect density{
     .starts = by_half,
     .tolerance = &Tolerances::density,
     .is_scale = true,
+    .is_of_body = true,
     .in_study = scaled(InStudy::Table::materials, {"density"}),
 };
 constinit const Effect thickness{
@@ -119,6 +121,7 @@ constinit const Effect thickness{
     .error = 0.005,
     .tolerance = &Tolerances::thickness,
     .is_scale = true,
+    .is_of_body = true,
     .in_study = scaled(InStudy::Table::geometry,
                        {"thickness", "height", "face_sheet", "wafer.thickness", "bores.depth"}),
 };

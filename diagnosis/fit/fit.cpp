@@ -201,9 +201,7 @@ void conclude(const MatrixXd& curvature, Fit& fit) {
   const double log_determinant =
       2.0 * (factor.matrixLLT().diagonal().array().log().sum() - scale.array().log().sum());
   const auto coordinates = static_cast<double>(fit.coordinate_count());
-  fit.covariance = scale.asDiagonal() *
-                   factor.solve(MatrixXd(MatrixXd::Identity(curvature.rows(), curvature.cols()))) *
-                   scale.asDiagonal();
+  fit.covariance = scale.asDiagonal() * dense::inverse_of(factor) * scale.asDiagonal();
   fit.log_evidence =
       -fit.objective + 0.5 * coordinates * std::log(2.0 * std::numbers::pi) - 0.5 * log_determinant;
 }

@@ -10,6 +10,7 @@
 
 #include "base/index.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/modes/another_body.h"
 #include "diagnosis/modes/calibration/calibration.h"
 #include "diagnosis/modes/partner.h"
 #include "diagnosis/modes/proposals/next_measurement.h"
@@ -148,6 +149,15 @@ double evidence_without(const Structure& structure, const ModesFound& found, con
   return best;
 }
 
+FrequencyErrors frequency_errors(const ModesFit& fit) {
+  constexpr auto kFrequency = static_cast<Index>(ErrorClass::frequency);
+  return {fit.levels(kFrequency), fit.determined(kFrequency)};
+}
+
+bool is_another_body(const Explanation& explanation) {
+  return explanation.another_body > kConstants.believed;
+}
+
 Explanation explanation_of(const ModesProblem& problem, const ModesFound& found, const Weighed& all,
                            std::size_t which) {
   const auto& fit = *all.fits[which];
@@ -155,13 +165,16 @@ Explanation explanation_of(const ModesProblem& problem, const ModesFound& found,
   explanation.probability = all.probability[which];
   explanation.log_evidence = fit.log_evidence - found.nothing.log_evidence;
   explanation.fit = which;
+  explanation.another_body =
+      of_another_body(problem.structure(), fit.causes, frequency_errors(fit));
   Index first = 0;
   for (std::size_t c = 0; c < fit.causes.size(); ++c) {
     const Index count = fit.causes[c].x.size();
     auto cause = cause_of(problem.structure(), fit.causes[c],
                           Eigen::VectorXd(fit.covariance.diagonal().segment(first, count)));
     first += count;
-    cause.probability = probability_of(problem.structure(), all, fit.causes[c]);
+    cause.probability =
+        (1.0 - explanation.another_body) * probability_of(problem.structure(), all, fit.causes[c]);
     cause.log_evidence_gain =
         fit.log_evidence - evidence_without(problem.structure(), found, fit, c);
     cause.share = explanation.log_evidence > 0.0
@@ -206,6 +219,7 @@ Verdict verdict_of(const ModesProblem& problem, const Weighed& all,
     return best.log_evidence < least_evidence ? Verdict::no_discrepancy : Verdict::unexplained;
   }
   if (best.causes.empty()) return Verdict::no_discrepancy;
+  if (is_another_body(best)) return Verdict::unexplained;
   const auto is_sure = [&](const Cause& cause) {
     return cause.probability >= kConstants.sure && cause.log_evidence_gain >= least_evidence;
   };
@@ -278,12 +292,13 @@ std::vector<Proposal> proposals_of(const ModesProblem& problem, const Weighed& a
   return next_measurements(problem, first, costs);
 }
 
-std::string next_in_words(const ModesFit& best, Verdict verdict,
+std::string next_in_words(const Explanation& told, const ModesFit& best, Verdict verdict,
                           const std::vector<Proposal>& proposals) {
   if (has_few_partners(best)) {
     return "make sure that the study and the modes are of one structure: most measured modes have "
            "no partner";
   }
+  if (is_another_body(told)) return another_body_in_words();
   if (!proposals.empty()) return in_words(proposals.front());
   if (verdict == Verdict::named) {
     return "nothing is left to tell apart: mend what is named, in the study or on the structure, "
@@ -318,7 +333,8 @@ Diagnosis answer(const ModesProblem& problem, const ModesFound& found,
   diagnosis.modes = modes_of(problem, as_stated(problem, found.nothing), best);
   if (diagnosis.verdict != Verdict::no_discrepancy) {
     diagnosis.proposals = proposals_of(problem, all, options.costs);
-    diagnosis.measure_next = next_in_words(best, diagnosis.verdict, diagnosis.proposals);
+    diagnosis.measure_next =
+        next_in_words(diagnosis.best, best, diagnosis.verdict, diagnosis.proposals);
   }
   tell_constants(problem, best, diagnosis);
   return diagnosis;

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "base/draw.h"
+#include "diagnosis/search/overlap.h"
 #include "diagnosis/search/simpler.h"
 #include "diagnosis/small_plate.h"
 
@@ -178,6 +179,20 @@ TEST(Search, IsNotLostWhereTwoLargeCausesHideEachOther) {
   ASSERT_EQ(best.causes.size(), 2U);
   EXPECT_TRUE(has(best, "thickness"));
   EXPECT_TRUE(has(best, "point_mass"));
+}
+
+// The gains of two sensors are two causes, that of one sensor is one; a mass may hang by a spring.
+TEST(Search, KnowsWhatAFitAlreadyHas) {
+  const auto& plate = small_plate();
+  const Eigen::VectorXd size = Eigen::VectorXd::Constant(1, 0.1);
+  Fit fit;
+  fit.causes = {{&effect("sensor_gain"), 0, size},
+                {&effect("ground_spring"), 0, Eigen::Vector3d(std::log(1e5), 0.02, 0.04)}};
+  EXPECT_TRUE(is_there_already(plate, fit, {&effect("sensor_gain"), 0, size}));
+  EXPECT_FALSE(is_there_already(plate, fit, {&effect("sensor_gain"), 1, size}));
+  EXPECT_FALSE(is_there_already(plate, fit, {&effect("actuator_gain"), 0, size}));
+  EXPECT_FALSE(
+      is_there_already(plate, fit, {&effect("point_mass"), 0, Eigen::Vector3d(0.01, 0.02, 0.04)}));
 }
 
 // A spring that is spread over a disc is no spring and a softer patch in the same place.

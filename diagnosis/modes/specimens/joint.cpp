@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/index.h"
+#include "dense/algebra.h"
 #include "diagnosis/modes/specimens/specimen_constants.h"
 
 namespace chladni::diagnosis {
@@ -163,7 +164,7 @@ JointFit JointModel::fitted(const Supposition& supposed, const VectorXd& start) 
     result.value = 0.5 * series_.error.dot(result.weighted) +
                    factor.matrixLLT().diagonal().array().log().sum() + 0.5 * off(x).squaredNorm();
     if (!with_slopes) return result;
-    result.inverse = factor.solve(MatrixXd(MatrixXd::Identity(n, n)));
+    result.inverse = dense::inverse_of(factor);
     std::vector<MatrixXd> parts;
     result.gradient = off(x).cwiseQuotient(width_);
     for (Index j = 0; j < x.size(); ++j) {

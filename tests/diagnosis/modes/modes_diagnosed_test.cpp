@@ -185,6 +185,14 @@ TEST_F(DiagnosedModes, NameTheModulusWhereResiduesAreKnown) {
   expect_named(found, "youngs_modulus", "relative", 0.12, 0.04);
 }
 
+// However far off it is: no other body has frequencies that fit so well.
+TEST_F(DiagnosedModes, NameAModulusThatIsFarOffWhereTheFrequenciesFit) {
+  EVERY_FOURTH_LANDING();
+  const Hidden hidden{"youngs_modulus", 0, VectorXd::Constant(1, std::log(2.5))};
+  const auto found = diagnosed(study(), scaled(measured_with({hidden}, 3), {hidden}), options());
+  expect_named(found, "youngs_modulus", "relative", 1.5, 0.2);
+}
+
 // Nothing else does: all of them are told, and none is sure.
 TEST_F(DiagnosedModes, AreInDoubtAboutTheModulusBesideItsRivals) {
   EVERY_FOURTH_LANDING();
