@@ -62,6 +62,8 @@ struct Judgement {
 /// - it leaves a quarter of the data's power unexplained by itself or noise,
 /// - half of its modes' power is in doubtful modes, or no mode but those beyond the lines is left;
 ///   doubtful modes beyond the lines are not counted, since they cancel each other within,
+/// - no variance is stated, and the modes within the lines explain less than is left, where
+///   neighbouring lines share what is left: then no mode stands out of the fit's own error,
 /// - outlying values decide it: the same identification without them has another number of modes,
 ///   or a mode that moves by more than five deviations. Where no variance is stated, this counts
 ///   only if a mode depends on them or the fit leaves ten times the noise.

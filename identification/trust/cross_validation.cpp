@@ -7,6 +7,8 @@
 #include <map>
 #include <set>
 
+#include "recordings/recordings.h"
+
 namespace chladni::identification {
 namespace {
 
@@ -27,13 +29,7 @@ std::vector<std::set<int>> groups_of(const recordings::Spectra& all) {
 
 recordings::Spectra chosen(const recordings::Spectra& all, const std::set<int>& realisations,
                            bool in) {
-  recordings::Spectra result{.outputs = all.outputs,
-                             .inputs = all.inputs,
-                             .references = all.references,
-                             .sample_time_s = all.sample_time_s,
-                             .period = all.period,
-                             .line = all.line,
-                             .records = {}};
+  auto result = recordings::source_of(all).head;
   for (const auto& record : all.records) {
     if (realisations.contains(record.realisation) == in) result.records.push_back(record);
   }
@@ -120,10 +116,7 @@ std::vector<Fold> folds_of(const recordings::Spectra& all,
 recordings::TimeData stretches(const recordings::TimeData& data, Index dropped) {
   auto result = data;
   result.records.clear();
-  Index periods = data.records.front().outputs.rows() / data.period;
-  for (const auto& record : data.records) {
-    periods = std::min(periods, record.outputs.rows() / data.period);
-  }
+  const Index periods = recordings::fewest_periods(recordings::recordings_of(data));
   const Index count =
       std::min<Index>(kMostFolds, std::max<Index>(0, periods - dropped) / kFewestPeriods);
   for (const auto& record : data.records) {

@@ -9,6 +9,7 @@
 #include "identification/constants.h"
 #include "identification/poles/beyond_lines.h"
 #include "identification/trust/outlying.h"
+#include "identification/validation.h"
 
 namespace chladni::identification {
 namespace {
@@ -35,6 +36,16 @@ std::string doubt(const ModalFit& fit, Eigen::Index m) {
   return shaped ? "" : "its shape is not known";
 }
 
+// Where no variance is stated, what is left passes for noise. Modes that explain less than a smooth
+// remainder may stand for the same error of the fit as the remainder does.
+bool is_less_than_a_smooth_remainder(double explained, const ModalFit& fit, const FitData& data) {
+  if (data.noise_known) return false;
+  const Eigen::MatrixXcd fitted = responses(fit, data.frequency_hz);
+  const double left = (data.value - fitted).cwiseAbs().cwiseProduct(data.weight).squaredNorm();
+  return explained < left && validation(data, fitted, Eigen::VectorXd(0)).whole.correlation >
+                                 Constants::smooth_remainder;
+}
+
 void look_at_modes(const ModalFit& fit, const FitData& data, Judgement& judgement) {
   double total = 0.0;
   double doubtful = 0.0;
@@ -50,7 +61,12 @@ void look_at_modes(const ModalFit& fit, const FitData& data, Judgement& judgemen
     judgement.doubtful.push_back({m, why});
     doubtful += power;
   }
-  if (total == 0.0) judgement.reasons.emplace_back("no mode within the lines is found");
+  if (total == 0.0) {
+    judgement.reasons.emplace_back("no mode within the lines is found");
+  } else if (is_less_than_a_smooth_remainder(total, fit, data)) {
+    judgement.reasons.emplace_back(
+        "the modes within the lines explain less than what is left, which is no noise");
+  }
   judgement.doubtful_part = doubtful / std::max(total, 1e-300);
   if (judgement.doubtful_part > Constants::most_doubtful) {
     judgement.reasons.emplace_back("most of what is fitted is in modes that are hardly known");

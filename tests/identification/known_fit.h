@@ -52,6 +52,22 @@ inline ModalFit drawn_fit(const ModalFit& mean, unsigned seed) {
   return fit;
 }
 
+/// The same with all inputs turned, as by an amplifier that inverts, and the covariance following.
+inline ModalFit with_turned_inputs(const ModalFit& fit) {
+  auto other = fit;
+  other.model.input_shapes *= -1.0;
+  const auto q = fit.model.input_count();
+  const auto turn = [](Eigen::MatrixXd& covariance, Eigen::Index inputs) {
+    covariance.bottomRows(inputs) *= -1.0;
+    covariance.rightCols(inputs) *= -1.0;
+  };
+  for (auto& covariance : other.mode_covariance) {
+    if (covariance.size() > 0) turn(covariance, q);
+  }
+  if (fit.model.rigid_count > 0) turn(other.rigid_covariance, fit.model.rigid_count * q);
+  return other;
+}
+
 /// L D and D⁻¹ R with the covariance following: the same responses.
 inline ModalFit rescaled(const ModalFit& fit, const Eigen::VectorXd& factor) {
   auto other = fit;

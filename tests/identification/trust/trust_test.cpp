@@ -221,5 +221,27 @@ TEST(Trust, RefusesResponsesThatAreAllOne) {
   }
 }
 
+// Constants of other sizes, and a plain slope: what a fit makes of them is its own error.
+TEST(Trust, RefusesResponsesWithoutAPeak) {
+  for (const double size : {1e-9, 1.0, 1e6}) {
+    for (const double slope : {0.0, 0.3}) {
+      auto set = trusted_beam({});
+      const auto lines = static_cast<double>(set.line_count());
+      for (auto& line : set.value) {
+        const auto k = static_cast<double>(&line - set.value.data());
+        line.setConstant(size * (1.0 + slope * k / lines));
+      }
+      for (auto& output : set.outputs) output.kind = modal::FrfKind::accelerance;
+      try {
+        EXPECT_EQ(judgement_of(set, false).trust, Trust::none) << size << ", " << slope;
+      } catch (const NumericalFailure& e) {
+        EXPECT_NE(std::string(e.what()).find("constant"), std::string::npos) << e.what();
+      } catch (const InvalidInput& e) {
+        EXPECT_NE(std::string(e.what()).find("no resonance"), std::string::npos) << e.what();
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace chladni::identification
