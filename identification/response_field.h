@@ -49,9 +49,10 @@ struct FieldSimulation {
 [[nodiscard]] double gain_deviation(const ChannelGains& gains);
 
 /// Shapes of responses at places, from a field of the shapes of `modes`. Rigid-body rows come from
-/// the geometry, the residual from the simulation's modes above the band; its deviation is what
-/// these do not explain of it at the sensors. A mode that is not among `modes` is 0 with its size
-/// at the channels as deviation.
+/// the geometry with the deviations of the body's mass, the residual from the simulation's modes
+/// above the band; its deviation is what these do not explain of it at the sensors. A mode that is
+/// not among `modes`, and rigid-body modes without a body, are 0 with their size at the channels as
+/// deviation.
 [[nodiscard]] PlacesOfInterest places_of_interest(const ModalFit& fit, const ChannelGains& gains,
                                                   const std::vector<Eigen::Index>& modes,
                                                   const FieldSimulation& simulation,

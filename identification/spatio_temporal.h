@@ -25,9 +25,10 @@ struct PlacesOfInterest {
 struct PredictedResponses {
   std::vector<Eigen::MatrixXcd> value;  ///< [k], each n×q
   /// [k], each n×q: √E|δG|² from the poles and input vectors (covariance of the fit),
-  /// the shapes, the residual and the gain of the sensor; modes are independent of each other. The
-  /// error of Re G and of Im G is within 1.96/√2 of it in 95 % of the cases, |δG| within 1.73.
-  /// Infinite where a part is not known.
+  /// the shapes, the residual, the gain of the sensor and the delay. The rigid-body modes are one
+  /// part: with a body both of their factors err together. The other modes are independent of each
+  /// other, as are the shape and the input vector of each. The error of Re G and of Im G is within
+  /// 1.96/√2 of it in 95 % of the cases, |δG| within 1.73. Infinite where a part is not known.
   std::vector<Eigen::MatrixXd> deviation;
 };
 

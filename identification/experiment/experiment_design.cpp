@@ -19,6 +19,8 @@ namespace chladni::identification {
 namespace {
 
 constexpr int kCrestSteps = 100;
+constexpr Eigen::Index kLongestTried = Eigen::Index{1}
+                                       << 18U;  // whose crest factor is lowered to tell
 constexpr double kSettled = 1e-4;  // part of the start that may be left when recording begins
 constexpr Eigen::Index kLongestSettle = 10000;
 
@@ -256,7 +258,7 @@ void set_signals(const DesignModel& model, const DesignPlan& plan, const DesignL
   }
   const bool can_lower =
       plan.scheme == recordings::InputScheme::one_at_a_time || recordings::differ_in_sign_only(q);
-  if (plan.crest_iterations == 0 && can_lower) {
+  if (plan.crest_iterations == 0 && can_lower && lines.period <= kLongestTried) {
     design.low_crest_factor =
         drawn(multisines(plan, lines, best.shape, one, kCrestSteps), plan, 1, seed)
             .front()

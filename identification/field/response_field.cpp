@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "identification/damping_coupling.h"
+#include "identification/field/rigid_band.h"
 
 namespace chladni::identification {
 namespace {
@@ -85,22 +86,22 @@ Eigen::RowVectorXd unexplained_residual(const ModalFit& fit, const FieldSimulati
   return left.colwise().norm() / std::sqrt(static_cast<double>(left.rows()));
 }
 
-// Root mean square of each flexible mode's shape at its channels; 0 of rigid-body modes.
-Eigen::VectorXd sizes_at_channels(const ModalFit& fit, const GainMatch& match) {
-  Eigen::VectorXd size = match.shapes.colwise().norm().transpose() /
-                         std::sqrt(static_cast<double>(match.shapes.rows()));
-  size.head(fit.model.rigid_count).setZero();
-  return size;
+// Root mean square of each mode's shape at its channels.
+Eigen::VectorXd sizes_at_channels(const GainMatch& match) {
+  return match.shapes.colwise().norm().transpose() /
+         std::sqrt(static_cast<double>(match.shapes.rows()));
 }
 
-// Rigid-body rows at places that move along z.
+// Rigid-body rows at places that move along z. Without a body they stay 0 with their size at the
+// channels as deviation.
 void add_rigid_rows(const ModalFit& fit, const GainMatch& match, const priors::Places& places,
                     PlacesOfInterest& result) {
   const auto rigid = fit.model.rigid_count;
   if (rigid == 0 || !match.rigid) return;
   const auto directions = rigid_directions(Eigen::MatrixX3d(places.position), rigid_motion(rigid));
-  result.shapes.leftCols(rigid) =
-      places.direction.col(2).asDiagonal() * (directions * match.rigid->modes);
+  const Eigen::MatrixXd own = places.direction.col(2).asDiagonal() * directions;
+  result.shapes.leftCols(rigid) = own * match.rigid->modes;
+  result.deviation.leftCols(rigid) = rigid_deviation(*match.rigid, own);
 }
 
 // The places of the match's rows.
@@ -209,7 +210,7 @@ PlacesOfInterest places_of_interest(const ModalFit& fit, const ChannelGains& gai
   const auto m = fit.model.mode_count();
   PlacesOfInterest interest{
       Eigen::MatrixXd::Zero(places.count(), m),
-      sizes_at_channels(fit, match).transpose().replicate(places.count(), 1),
+      sizes_at_channels(match).transpose().replicate(places.count(), 1),
       residual_factor(fit, simulation) * flexibility_above(simulation, places.shapes)};
   interest.shapes(Eigen::all, modes) = field.mean;
   interest.deviation(Eigen::all, modes) = field.deviation;

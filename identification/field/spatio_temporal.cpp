@@ -11,7 +11,9 @@
 
 #include "base/error.h"
 #include "base/turn.h"
+#include "dense/algebra.h"
 #include "identification/delay_scan.h"
+#include "identification/field/rigid_band.h"
 
 namespace chladni::identification {
 namespace {
@@ -86,6 +88,21 @@ Eigen::VectorXd input_delays(const ModalFit& fit) {
   Eigen::VectorXd all = Eigen::VectorXd::Constant(fit.model.input_count(), fit.delay_s);
   if (fit.delay_of == DelayOf::inputs) all += fit.channel_delay_s;
   return all;
+}
+
+// Variances of these delays [s²]. At a place without a sensor the delays of outputs are known by
+// their mean, about which they scatter.
+Eigen::VectorXd delay_variance(const ModalFit& fit) {
+  const auto q = fit.model.input_count();
+  const auto n = fit.channel_delay_s.size();
+  if (fit.delay_of == DelayOf::inputs && fit.channel_delay_std_s.size() == q) {
+    return fit.channel_delay_std_s.cwiseAbs2();
+  }
+  double variance = fit.delay_std_s * fit.delay_std_s;
+  if (fit.delay_of == DelayOf::outputs && n > 1) {
+    variance += fit.channel_delay_s.squaredNorm() / static_cast<double>(n - 1);
+  }
+  return Eigen::VectorXd::Constant(q, variance);
 }
 
 // Variance per actuator, divided by φ²: δG = φ (h δr + r h_ω δω + r h_ζ δζ).
@@ -183,26 +200,31 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
   for (Eigen::Index m = 0; m < model.mode_count(); ++m) spreads.push_back(spread(fit, match, m));
   PredictedResponses result;
   const auto delay = input_delays(fit);
+  const Eigen::RowVectorXd late = delay_variance(fit).transpose();
+  const auto rigid = rigid_variance(fit, match, places);
   const auto complex = complex_values(fit, match, places, frequency_hz);
   for (Eigen::Index k = 0; k < frequency_hz.size(); ++k) {
     const double omega = kTwoPi * frequency_hz(k);
     Eigen::MatrixXcd value = fit.complex ? Eigen::MatrixXcd(complex.row(k).reshaped(n, q))
                                          : Eigen::MatrixXcd(places.residual.cast<Complex>());
     Eigen::MatrixXd variance = residual_variance(places);
+    if (model.rigid_count > 0) variance += rigid / std::pow(omega, 4);
     for (Eigen::Index m = 0; m < model.mode_count(); ++m) {
       const auto h = resonance(kTwoPi * model.frequency_hz(m), model.damping_ratio(m), omega);
       const auto& input = match.input_shapes.row(m);
       if (!fit.complex) value += h.value * (places.shapes.col(m) * input).cast<Complex>();
+      if (m < model.rigid_count) continue;
       variance += places.shapes.col(m).cwiseAbs2() *
                       input_variance(h, spreads[static_cast<std::size_t>(m)], input) +
                   std::norm(h.value) * places.deviation.col(m).cwiseAbs2() * input.cwiseAbs2();
-      if (!fit.complex || m < model.rigid_count) continue;
+      if (!fit.complex) continue;
       const auto half =
           half_resonance(kTwoPi * model.frequency_hz(m), model.damping_ratio(m), omega);
       variance += std::norm(2.0 * half - h.value) * places.imaginary_deviation.col(m).cwiseAbs2() *
                   input.cwiseAbs2();
     }
-    variance += places.gain_deviation * places.gain_deviation * value.cwiseAbs2();
+    const double gain = places.gain_deviation * places.gain_deviation;
+    variance.array() += value.cwiseAbs2().array().rowwise() * (omega * omega * late.array() + gain);
     for (Eigen::Index j = 0; j < q; ++j) value.col(j) *= std::polar(1.0, -omega * delay(j));
     result.value.emplace_back(std::move(value));
     result.deviation.emplace_back(root_of(variance));
@@ -253,7 +275,7 @@ FittedRow fitted_row(const ModalFit& fit, const GainMatch& match, const FitData&
       Eigen::MatrixXd(scale.asDiagonal() * normal * scale.asDiagonal()));
   const Eigen::VectorXd x =
       scale.cwiseProduct(factor.solve(Eigen::VectorXd(scale.cwiseProduct(right))));
-  const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n)));
+  const Eigen::MatrixXd inverse = dense::inverse_of(factor);
   const Eigen::VectorXd deviation =
       (0.5 * inverse.diagonal().cwiseMax(0.0)).cwiseSqrt().cwiseProduct(scale);
   return {x.head(m).transpose(), deviation.head(m).transpose(), x.tail(q).transpose()};

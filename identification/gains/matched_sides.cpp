@@ -226,19 +226,25 @@ Eigen::MatrixXd covariance_factor(const Eigen::MatrixXd& covariance) {
          solver.eigenvalues()(kept).cwiseSqrt().asDiagonal();
 }
 
-Eigen::VectorXd propagated(const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& value,
-                           const Eigen::VectorXd& x, const Eigen::MatrixXd& factor) {
+Eigen::MatrixXd propagated_factor(
+    const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& value, const Eigen::VectorXd& x,
+    const Eigen::MatrixXd& factor) {
   constexpr double kStep = 0.05;  // of a deviation
-  Eigen::VectorXd variance = Eigen::VectorXd::Zero(value(x).size());
+  Eigen::MatrixXd change(value(x).size(), factor.cols());
   try {
     for (Eigen::Index i = 0; i < factor.cols(); ++i) {
       const Eigen::VectorXd step = kStep * factor.col(i);
-      variance += ((value(x + step) - value(x - step)) / (2.0 * kStep)).cwiseAbs2();
+      change.col(i) = (value(x + step) - value(x - step)) / (2.0 * kStep);
     }
   } catch (const NumericalFailure&) {  // value() fails for nearby x
-    variance.setConstant(std::numeric_limits<double>::infinity());
+    change.setConstant(std::numeric_limits<double>::infinity());
   }
-  return variance.cwiseSqrt();
+  return change;
+}
+
+Eigen::VectorXd propagated(const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& value,
+                           const Eigen::VectorXd& x, const Eigen::MatrixXd& factor) {
+  return propagated_factor(value, x, factor).rowwise().norm();
 }
 
 }  // namespace chladni::identification

@@ -56,8 +56,13 @@ struct OneScale {
 /// F with F Fᵀ = C: one column for each uncertain direction.
 [[nodiscard]] Eigen::MatrixXd covariance_factor(const Eigen::MatrixXd& covariance);
 
-/// Standard deviations of value(x), by differences along the columns of `factor`, the factor of x's
-/// covariance. Infinite if value() fails on one side.
+/// Factor of the covariance of value(x), by differences along the columns of `factor`, the factor
+/// of x's covariance. Infinite if value() fails on one side.
+[[nodiscard]] Eigen::MatrixXd propagated_factor(
+    const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& value, const Eigen::VectorXd& x,
+    const Eigen::MatrixXd& factor);
+
+/// The standard deviations of value(x): norms of the rows of that factor.
 [[nodiscard]] Eigen::VectorXd propagated(
     const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& value, const Eigen::VectorXd& x,
     const Eigen::MatrixXd& factor);

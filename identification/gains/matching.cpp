@@ -116,24 +116,34 @@ struct Block {
 };
 using BlockScaling = std::function<Block(const Eigen::MatrixXd&, const Eigen::MatrixXd&)>;
 
+// One column for each mode of the block: L above, R below.
+Eigen::VectorXd columns_of(const Block& block) {
+  Eigen::MatrixXd columns(block.outputs.rows() + block.inputs.cols(), block.outputs.cols());
+  columns << block.outputs, block.inputs.transpose();
+  return columns.reshaped();
+}
+
+Block block_of(const Eigen::VectorXd& columns, Eigen::Index p, Eigen::Index g) {
+  const Eigen::MatrixXd both = columns.reshaped(columns.size() / g, g);
+  return {both.topRows(p), both.bottomRows(both.rows() - p).transpose()};
+}
+
+// L and R of the fit, with the sign of the side.
+Block fitted_block(const Matching& state, const modal::ModeGroup& group) {
+  return {state.fit.model.output_shapes.middleCols(group.first, group.size),
+          state.side * state.fit.model.input_shapes.middleRows(group.first, group.size)};
+}
+
 void apply(Matching& state, const modal::ModeGroup& group, const BlockScaling& scaling,
            MatchedBy by) {
   const auto p = state.p();
   const auto q = state.q();
   const auto g = group.size;
-  const Eigen::MatrixXd outputs = state.fit.model.output_shapes.middleCols(group.first, g);
-  const Eigen::MatrixXd inputs =
-      state.side * state.fit.model.input_shapes.middleRows(group.first, g);
-  Eigen::MatrixXd columns(p + q, g);
-  columns << outputs, inputs.transpose();
-  const Eigen::VectorXd x = columns.reshaped();
+  const Eigen::VectorXd x = columns_of(fitted_block(state, group));
   const Eigen::MatrixXd factor = covariance_factor(block_covariance(state, group));
   const auto value = [&](const Eigen::VectorXd& at) {
-    const Eigen::MatrixXd moved = at.reshaped(p + q, g);
-    const auto block = scaling(moved.topRows(p), moved.bottomRows(q).transpose());
-    Eigen::MatrixXd all(p + q, g);
-    all << block.outputs, block.inputs.transpose();
-    return Eigen::VectorXd(all.reshaped());
+    const auto moved = block_of(at, p, g);
+    return columns_of(scaling(moved.outputs, moved.inputs));
   };
   const Eigen::MatrixXd scaled = value(x).reshaped(p + q, g);
   const Eigen::MatrixXd deviation = propagated(value, x, factor).reshaped(p + q, g);
@@ -156,8 +166,8 @@ void match_by_mass(Matching& state, const modal::ModeGroup& group) {
     return rigid_body(l * r, deviation, geometry.outputs, geometry.inputs);
   };
   const auto g = group.size;
-  const auto body = body_of(state.fit.model.output_shapes.middleCols(group.first, g),
-                            state.side * state.fit.model.input_shapes.middleRows(group.first, g));
+  const auto fitted = fitted_block(state, group);
+  auto body = body_of(fitted.outputs, fitted.inputs);
   const auto scaling = [&](const Eigen::MatrixXd& l, const Eigen::MatrixXd& r) {
     const auto modes = body_of(l, r).modes;
     return Block{geometry.outputs * modes, (geometry.inputs * modes).transpose()};
@@ -170,6 +180,14 @@ void match_by_mass(Matching& state, const modal::ModeGroup& group) {
                     "channels' places and gains right?",
                     body.misfit));
   }
+  const auto inverse_mass = [&](const Eigen::VectorXd& at) {
+    const auto block = block_of(at, state.p(), g);
+    const Eigen::MatrixXd modes = body_of(block.outputs, block.inputs).modes;
+    return lower_entries(modes * modes.transpose());
+  };
+  const Eigen::MatrixXd factor = propagated_factor(
+      inverse_mass, columns_of(fitted), covariance_factor(block_covariance(state, group)));
+  body.inverse_covariance = std::max(1.0, body.misfit) * (factor * factor.transpose());
   state.match.rigid = body;
 }
 

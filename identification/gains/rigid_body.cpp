@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/finite.h"
+#include "dense/algebra.h"
 
 namespace chladni::identification {
 
@@ -113,6 +114,17 @@ Eigen::MatrixXd rigid_directions(const Eigen::MatrixX3d& places, RigidMotion mot
   return directions;
 }
 
+Eigen::VectorXd lower_entries(const Eigen::MatrixXd& symmetric) {
+  const auto r = symmetric.rows();
+  Eigen::VectorXd entries(r * (r + 1) / 2);
+  Eigen::Index at = 0;
+  for (Eigen::Index b = 0; b < r; ++b) {
+    entries.segment(at, r - b) = symmetric.col(b).tail(r - b);
+    at += r - b;
+  }
+  return entries;
+}
+
 RigidBody rigid_body(const Eigen::MatrixXd& product, const Eigen::MatrixXd& deviation,
                      const Eigen::MatrixXd& outputs, const Eigen::MatrixXd& inputs) {
   check_sizes(product, deviation, outputs, inputs);
@@ -134,7 +146,7 @@ RigidBody rigid_body(const Eigen::MatrixXd& product, const Eigen::MatrixXd& devi
         "another place, or the modes at 0 Hz are not those of a rigid body");
   }
   RigidBody body;
-  body.mass = inverse.llt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(r, r)));
+  body.mass = dense::inverse_of(inverse.llt());
   body.mass = 0.5 * (body.mass + body.mass.transpose()).eval();
   body.modes = body.mass.llt().matrixU().solve(Eigen::MatrixXd::Identity(r, r));
   const auto left = product.size() - spread.cols();

@@ -23,15 +23,21 @@ struct RigidBody {
   /// centre, the last along y. Unlike principal axes they depend smoothly on the mass where
   /// inertias are equal.
   Eigen::MatrixXd modes;
+  /// Covariance of the r(r+1)/2 entries of mass⁻¹, the lower triangle column by column; empty if
+  /// not known, infinite where a body near this one has no mass.
+  Eigen::MatrixXd inverse_covariance = {};
   double asymmetry = 0.0;  ///< |A − Aᵀ| / |A + Aᵀ| of the inverse mass without imposed symmetry; 0
                            ///< if the places do not determine it
   double misfit = 0.0;  ///< χ² per degree of freedom of the products about P_s M⁻¹ P_aᵀ; 0 without
                         ///< deviations or without degrees of freedom
 };
 
+/// The entries of a symmetric matrix, the lower triangle column by column: r(r+1)/2.
+[[nodiscard]] Eigen::VectorXd lower_entries(const Eigen::MatrixXd& symmetric);
+
 /// The factors L R of the 1/s² term are known up to an r×r matrix between them. Their product is
 /// known: L R = P_s M⁻¹ P_aᵀ, however the modes are mixed (thesis 5.2.5 and appendix C). Weighted
-/// least squares give the symmetric M⁻¹. Cost: pq r⁴.
+/// least squares give the symmetric M⁻¹, without its covariance. Cost: pq r⁴.
 /// @param product    p×q [1/kg]: L_rb R_rb
 /// @param deviation  p×q of its entries; empty: all equal
 /// @param outputs    p×r, P_s

@@ -54,12 +54,14 @@ identification::PlacesOfInterest all_of_interest(const steps::Interpolated& resu
   return all;
 }
 
-// Sets the deviation of modes without a scale to NaN: their shapes are 0 because they are left out,
-// not because they are known.
+// Sets the deviation of modes without a scale, and of rigid-body modes without a body, to NaN:
+// their shapes are 0 because they are left out, not because they are known.
 Eigen::MatrixXd stated_deviation(const steps::Measured& measured,
                                  const Eigen::MatrixXd& deviation) {
   Eigen::MatrixXd stated = deviation;
-  for (auto m = measured.identified->found.fit.model.rigid_count; m < stated.cols(); ++m) {
+  const auto rigid = measured.identified->found.fit.model.rigid_count;
+  if (!measured.identified->match.rigid) stated.leftCols(rigid).setConstant(NAN);
+  for (auto m = rigid; m < stated.cols(); ++m) {
     const auto& used = measured.fitted_mode;
     if (std::find(used.begin(), used.end(), m) == used.end()) stated.col(m).setConstant(NAN);
   }

@@ -166,9 +166,9 @@ std::vector<std::string> left_out_of_predictions(const Interpolated& result) {
   }
   if (fit.rigid_count > 0 && !model.match.rigid) {
     notes.push_back(fmt::format(
-        "the term in 1/s^2 of {} modes at 0 Hz is neither in the predicted responses nor in their "
-        "band: the motion of the body as a whole is known of 2 or 3 such modes whose channels all "
-        "act along z and tell them apart",
+        "the term in 1/s^2 of {} modes at 0 Hz is not in the predicted responses, their band has "
+        "its size at the channels: the motion of the body as a whole is known of 2 or 3 such modes "
+        "whose channels all act along z and tell them apart",
         fit.rigid_count));
   }
   if (model.found.fit.residual_std.size() > 0 && fit.residual.squaredNorm() > 0.0 &&

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "base/error.h"
 #include "identification/fit_data.h"
@@ -122,6 +123,47 @@ TEST(SpatioTemporal, SaysHowFarDrawsScatter) {
     EXPECT_LT(ratio.maxCoeff(), 1.2);
     EXPECT_GT(ratio.minCoeff(), 0.8);
   }
+}
+
+// A delay that is not known turns the response by ω δτ.
+TEST(SpatioTemporal, HasTheDelayInItsBand) {
+  auto one = sensed_beam();
+  const Eigen::VectorXd lines = Eigen::Vector3d(3.0, 33.0, 109.0);
+  const auto interest = sensors_of(one);
+  const auto known = predicted(one.fit, one.match, interest, lines);
+  one.fit.delay_std_s = 2e-5;
+  const auto unsure = predicted(one.fit, one.match, interest, lines);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double turn = 2.0 * std::numbers::pi * lines(static_cast<Eigen::Index>(k)) * 2e-5;
+    const Eigen::ArrayXXd more =
+        unsure.deviation[k].array().square() - known.deviation[k].array().square();
+    EXPECT_LT((more - turn * turn * known.value[k].cwiseAbs2().array()).abs().maxCoeff(),
+              1e-6 * unsure.deviation[k].cwiseAbs2().maxCoeff());
+  }
+}
+
+// Delays of actuators have their own deviations; those of sensors scatter about their mean.
+TEST(SpatioTemporal, HasTheDelaysOfChannelsInItsBand) {
+  auto one = sensed_beam();
+  const Eigen::VectorXd line = Eigen::VectorXd::Constant(1, 50.0);
+  const auto interest = sensors_of(one);
+  const auto known = predicted(one.fit, one.match, interest, line);
+  const double omega = 2.0 * std::numbers::pi * 50.0;
+  const auto delay_std = [&](Eigen::Index input) {
+    const auto unsure = predicted(one.fit, one.match, interest, line);
+    const double more =
+        std::pow(unsure.deviation[0](1, input), 2) - std::pow(known.deviation[0](1, input), 2);
+    return std::sqrt(more) / (omega * std::abs(unsure.value[0](1, input)));
+  };
+  one.fit.delay_of = DelayOf::inputs;
+  one.fit.channel_delay_s = Eigen::VectorXd::Zero(5);
+  one.fit.channel_delay_std_s = 1e-4 * Eigen::VectorXd::LinSpaced(5, 1.0, 5.0);
+  for (Eigen::Index j = 0; j < 5; ++j) {
+    EXPECT_NEAR(delay_std(j), 1e-4 * static_cast<double>(j + 1), 1e-8);
+  }
+  one.fit.delay_of = DelayOf::outputs;
+  one.fit.channel_delay_s = Eigen::VectorXd{{-2e-4, -1e-4, 0.0, 1e-4, 2e-4}};
+  EXPECT_NEAR(delay_std(2), std::sqrt(1e-7 / 4.0), 1e-8);
 }
 
 TEST(SpatioTemporal, FindsTheRowOfAFurtherSensor) {

@@ -1,12 +1,19 @@
 // Cross-validation comes after the fit, and takes nothing of it where a part cannot be fitted.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
+#include "io/time_file.h"
 #include "simulators/frf_cases.h"
+#include "simulators/portable_random.h"
 #include "steps/identification/unseen.h"
+#include "steps/measured/recorded_frfs.h"
 
 namespace chladni::steps {
 namespace {
@@ -78,6 +85,54 @@ TEST(UnseenParts, LoseNoFitWhereOneCannotBeFitted) {
     throw Interrupted("stopped");
   };
   EXPECT_THROW((void)cross_validated(study, model, stopped, work), Interrupted);
+}
+
+// Eight periods of a spring of 0.5 N/m. The exciter rests in the sixth.
+recordings::TimeData with_a_pause() {
+  constexpr Eigen::Index kPeriod = 64;
+  constexpr Eigen::Index kPeriods = 8;
+  simulators::Dice dice(7);
+  const Eigen::VectorXd force = dice.normal(kPeriod, 1);
+  recordings::Record record;
+  record.inputs = force.replicate(kPeriods, 1);
+  record.inputs.middleRows(5 * kPeriod, kPeriod).setZero();
+  record.outputs = 2.0 * record.inputs + 1e-3 * dice.normal(kPeriod * kPeriods, 1);
+  record.references.resize(kPeriod * kPeriods, 0);
+  recordings::TimeData data;
+  data.outputs.resize(1);
+  data.outputs[0].name = "y1";
+  data.inputs.resize(1);
+  data.inputs[0].name = "u1";
+  data.sample_time_s = 1e-3;
+  data.period = kPeriod;
+  data.records.push_back(std::move(record));
+  return data;
+}
+
+// One stretch of periods holds the pause, and cannot be estimated: that ended the reading of sound
+// recordings.
+TEST(UnseenParts, LoseNoEstimateWhereOnePartHasNone) {
+  const auto file =
+      std::filesystem::temp_directory_path() / fmt::format("chladni_unseen_parts_{}.csv", getpid());
+  study::Study study;
+  study.sensors.resize(1);
+  study.sensors[0].name = "y1";
+  study.actuators.resize(1);
+  study.actuators[0].name = "u1";
+  auto& plan = study.measurement.emplace();
+  plan.time = file;
+  plan.recording.inputs = "forces";
+  plan.recording.transient = "drop";
+  (void)io::write_time(plan.time, with_a_pause());
+  Listener work;
+  const auto found = recorded_frfs(study, work, true);
+  std::filesystem::remove(file);
+  EXPECT_TRUE(found.folds.folds.empty());
+  const auto why = std::ranges::find_if(work.notes, [](const std::string& note) {
+    return note.find("nothing is left out in turn: FRF estimate: ") != std::string::npos;
+  });
+  EXPECT_NE(why, work.notes.end());
+  for (const auto& line : found.set.value) EXPECT_NEAR(std::abs(line(0, 0)), 2.0, 0.05);
 }
 
 }  // namespace

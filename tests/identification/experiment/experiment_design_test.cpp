@@ -113,6 +113,42 @@ ModalFit fit_of(const recordings::TimeData& data, const modal::ReducedModel& mod
   return modal_fit(fit_data(set), start_at(model), {.residual = true, .delay = true});
 }
 
+// Lines between which nothing changes count as one: of 24 000 lines the fit sees some hundreds.
+TEST(ExpectedFit, KnowsAsMuchAsAFitOfAllLines) {
+  const auto model = three_modes();
+  const Eigen::VectorXd hz = Eigen::VectorXd::LinSpaced(24000, 5.0, 100.0);
+  Eigen::MatrixXd variance(hz.size(), 4);
+  for (Eigen::Index c = 0; c < 4; ++c) {
+    variance.col(c) = 1e-12 * (1.0 + static_cast<double>(c)) * (1.0 + hz.array() / 50.0);
+  }
+  const auto few = expected_fit(model, hz, variance);
+  const auto exact = modal::frf(model, hz);
+  FitData data{.outputs = 2, .inputs = 2, .frequency_hz = hz, .value = {}, .weight = {}};
+  data.value.resize(hz.size(), 4);
+  for (Eigen::Index k = 0; k < hz.size(); ++k) {
+    data.value.row(k) = exact.value[static_cast<std::size_t>(k)].reshaped().transpose();
+  }
+  data.weight = variance.cwiseSqrt().cwiseInverse();
+  const auto all = modal_fit(data, start_at(model), {.residual = true, .delay = true});
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    EXPECT_NEAR(few.frequency_std_hz(k), all.frequency_std_hz(k), 1e-3 * all.frequency_std_hz(k));
+    EXPECT_NEAR(few.damping_std(k), all.damping_std(k), 1e-3 * all.damping_std(k));
+  }
+}
+
+// Such a period has hundreds of thousands of lines, and phases are not lowered on trial.
+TEST(ExperimentDesign, OfLittleDampingHasALongPeriod) {
+  auto model = three_modes();
+  model.damping_ratio.setConstant(1e-5);
+  auto plan = small_plan();
+  plan.realisations = 1;
+  plan.longest_period_s = 1024.0;
+  const auto design = experiment_design(model_of(model), plan, 3);
+  EXPECT_GE(design.period, 1 << 19);
+  EXPECT_EQ(design.low_crest_factor, 0.0);
+  for (const auto& mode : design.modes) EXPECT_GT(mode.frequency_std_hz, 0.0);
+}
+
 // The law of the design: the scatter over seeds is what was promised before any measurement.
 TEST(ExperimentDesign, TheScatterIsTheExpectedDeviation) {
   const auto model = three_modes();

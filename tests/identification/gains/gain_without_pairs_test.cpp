@@ -17,10 +17,13 @@ TEST(GainWithoutPairs, ScalesSuspendedModesByTheirMotion) {
   GainMatchOptions options;
   options.geometry = geometry_of(made, RigidMotion::beam);
   options.geometry->suspended = {0, 1};
+  Eigen::MatrixXd deviation;
   for (const double side : {1.0, -1.0}) {
-    auto fit = rescaled(true_fit(made), kScales);
-    fit.model.input_shapes *= side;
+    const auto scaled = rescaled(true_fit(made), kScales);
+    const auto fit = side > 0.0 ? scaled : with_turned_inputs(scaled);
     const auto match = matched(made, fit, options);
+    if (side > 0.0) deviation = match.deviation.leftCols(2);
+    EXPECT_LT((match.deviation.leftCols(2) - deviation).norm(), 1e-9 * deviation.norm());
     const auto truth = truth_at(match, made.truth);
     for (Eigen::Index m = 0; m < 2; ++m) {
       const double sign = kScales(m) > 0.0 ? 1.0 : -1.0;
