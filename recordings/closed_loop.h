@@ -21,6 +21,9 @@ struct ClosedLoopEstimate {
 /// @throws InvalidInput  as frf_estimate(); no reference for each input
 [[nodiscard]] ClosedLoopEstimate closed_loop_estimate(const Spectra& spectra,
                                                       const FrfEstimateOptions& options = {});
+/// The same on lines that are all excited, from one realisation after the other.
+[[nodiscard]] ClosedLoopEstimate closed_loop_of_excited(const SpectraSource& excited,
+                                                        const FrfEstimateOptions& options);
 [[nodiscard]] ClosedLoopEstimate closed_loop_estimate(const TimeData& data,
                                                       const FrfEstimateOptions& options = {});
 

@@ -45,8 +45,13 @@ struct DetectionLevels {
 /// None where every line of the band is excited. Even distortion falls on even lines, odd
 /// distortion on odd ones, where odd lines are excited (Pintelon and Schoukens 2012, section 4.4).
 /// @param drop  periods at the start of each record; two or more must be left
-[[nodiscard]] std::optional<DetectionLevels> detection_levels(const Spectra& all,
+[[nodiscard]] std::optional<DetectionLevels> detection_levels(const SpectraSource& all,
                                                               Eigen::Index drop);
+
+[[nodiscard]] inline std::optional<DetectionLevels> detection_levels(const Spectra& all,
+                                                                     Eigen::Index drop) {
+  return detection_levels(source_of(all), drop);
+}
 
 /// Change of one output from the first to the last period, on the excited lines.
 struct PeriodDrift {
@@ -57,7 +62,12 @@ struct PeriodDrift {
 
 /// Outputs that change steadily from period to period by more than noise explains (5 deviations).
 /// A transient that was not dropped looks the same. Three periods or more are needed; else empty.
-[[nodiscard]] std::vector<PeriodDrift> period_drift(const Spectra& excited, Eigen::Index drop);
+[[nodiscard]] std::vector<PeriodDrift> period_drift(const SpectraSource& excited,
+                                                    Eigen::Index drop);
+[[nodiscard]] inline std::vector<PeriodDrift> period_drift(const Spectra& excited,
+                                                           Eigen::Index drop) {
+  return period_drift(source_of(excited), drop);
+}
 
 /// All of it, for a person and for files.
 struct DataQuality {

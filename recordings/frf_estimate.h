@@ -39,6 +39,9 @@ struct FrfEstimate {
 ///                       not excited themselves
 [[nodiscard]] FrfEstimate frf_estimate(const Spectra& spectra,
                                        const FrfEstimateOptions& options = {});
+/// The same on lines that are all excited, from one realisation after the other.
+[[nodiscard]] FrfEstimate frf_estimate_of_excited(const SpectraSource& excited,
+                                                  const FrfEstimateOptions& options);
 /// @throws InvalidInput  also as without_start(), where the transient is to be removed
 [[nodiscard]] FrfEstimate frf_estimate(const TimeData& data,
                                        const FrfEstimateOptions& options = {});
@@ -50,9 +53,16 @@ struct FrfEstimate {
                                                               TransientReport& about);
 
 /// States what was done: true periods, and the transient that was taken off.
+/// @param periods  the fewest of a record
+void tell_removed(Eigen::Index periods, const TransientReport& about, FrfEstimate& estimate);
 void tell_removed(const TimeData& data, const TransientReport& about, FrfEstimate& estimate);
 
-/// The excited lines of the band. @throws InvalidInput  none
+/// Periods at the start without which a trend is looked for: no transient is left then.
+[[nodiscard]] Eigen::Index first_steady_period(const FrfEstimate& estimate);
+
+/// The excited lines of the band, by their places in `all`. @throws InvalidInput  none
+[[nodiscard]] std::vector<Eigen::Index> excited_places(const SpectraSource& all,
+                                                       const FrfEstimateOptions& options);
 [[nodiscard]] Spectra excited_part(const Spectra& all, const FrfEstimateOptions& options);
 
 /// Lines on each side over which a variance of so many degrees of freedom is averaged.

@@ -25,6 +25,9 @@ struct TimeData {
   std::vector<Record> records;
 };
 
+/// The sides of a recording.
+enum class Side { outputs, inputs, references };
+
 /// @throws InvalidInput  sizes differ, a sample is not finite, a name is empty or occurs twice
 void check(const TimeData& data);
 

@@ -23,7 +23,8 @@ struct WorkOptions {
   bool keep_best = false;   ///< an interrupt ends a fit with the best one so far
   bool keep_times = true;   ///< of the steps; without them results are the same to the last bit
   std::string engine;       ///< what starts the ranks that find the modes; empty: the study's
-  std::size_t memory_limit_bytes = 0;  ///< of a solution in this process; 0: what there is
+  /// For a solution in this process, and for recordings that are read; 0: what there is.
+  std::size_t memory_limit_bytes = 0;
   std::vector<std::filesystem::path>
       allowed;                         ///< folders outside the study's from which it may read
   std::filesystem::path folder;        ///< where the results will stand

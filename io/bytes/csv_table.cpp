@@ -14,6 +14,8 @@ namespace chladni::io {
 namespace {
 
 constexpr std::size_t kMostColumns = 10000;
+constexpr std::size_t kBlock = std::size_t{1} << 20U;  // of a file that is read in pieces
+constexpr std::size_t kLongestLine = std::size_t{16} << 20U;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 [[noreturn]] void fail(const std::string& file, int line, const std::string& what) {
@@ -41,7 +43,7 @@ double number_of(std::string_view field, const CsvTable& table, std::size_t colu
   fail(table.file, line, table.names[column] + ": " + not_a_number(field));
 }
 
-void read_row(std::string_view line, char separator, int number, CsvTable& table,
+void read_row(std::string_view line, char separator, int number, const CsvTable& table,
               std::vector<double>& rows) {
   const std::size_t expected = table.names.size();
   std::size_t column = 0;
@@ -61,7 +63,12 @@ void read_row(std::string_view line, char separator, int number, CsvTable& table
          fmt::to_string(column) + " fields; expected " + fmt::to_string(expected) +
              ", as many as the first line has");
   }
-  table.line.push_back(number);
+}
+
+// Whether a line holds neither names nor numbers.
+bool is_idle(std::string_view line) {
+  const auto words = trimmed(line);
+  return words.empty() || words.front() == '#';
 }
 
 void read_header(std::string_view line, char separator, int number, CsvTable& table) {
@@ -139,14 +146,14 @@ CsvTable csv_table(std::string_view bytes, const std::string& file, std::size_t 
     auto line = bytes.substr(0, end);
     bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 1);
     if (line.ends_with('\r')) line.remove_suffix(1);
-    const auto words = trimmed(line);
-    if (words.empty() || words.front() == '#') continue;
+    if (is_idle(line)) continue;
     if (table.names.empty()) {
       separator = separator_of(line);
       read_header(line, separator, number, table);
       rows.reserve(number_count(bytes, table, limit));
     } else {
       read_row(line, separator, number, table, rows);
+      table.line.push_back(number);
     }
   }
   require(!table.names.empty(), file + ": no lines; expected a first line of names");
@@ -155,6 +162,56 @@ CsvTable csv_table(std::string_view bytes, const std::string& file, std::size_t 
   table.values =
       Eigen::Map<const Rows>(rows.data(), static_cast<Eigen::Index>(table.line.size()), c);
   return table;
+}
+
+CsvRows::CsvRows(const std::filesystem::path& file) : in_(file) {
+  head_.file = file.string();
+  while (const auto next = line()) {
+    if (is_idle(*next)) continue;
+    separator_ = separator_of(*next);
+    read_header(*next, separator_, number_, head_);
+    return;
+  }
+  throw InvalidInput(head_.file + ": no lines; expected a first line of names");
+}
+
+bool CsvRows::next(std::vector<double>& numbers, std::vector<int>& lines) {
+  while (const auto next = line()) {
+    if (is_idle(*next)) continue;
+    read_row(*next, separator_, number_, head_, numbers);
+    lines.push_back(number_);
+    return true;
+  }
+  return false;
+}
+
+// The next line without its end; it holds until the next call.
+std::optional<std::string_view> CsvRows::line() {
+  auto end = text_.find('\n', at_);
+  while (end == std::string::npos && !is_read_) {
+    text_.erase(0, at_);
+    at_ = 0;
+    const auto before = text_.size();
+    if (before > kLongestLine) {
+      fail(head_.file, number_ + 1, "more than 16 MB; expected a line of numbers");
+    }
+    text_.resize(before + kBlock);
+    const auto count = in_.read(text_.data() + before, kBlock);
+    is_read_ = count < kBlock;
+    text_.resize(before + count);
+    if (number_ == 0 && before == 0) {
+      refuse_utf16(text_, head_.file);
+      if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;
+    }
+    end = text_.find('\n', std::max(before, at_));
+  }
+  if (at_ >= text_.size()) return std::nullopt;
+  const auto stop = std::min(end, text_.size());
+  auto line = std::string_view(text_).substr(at_, stop - at_);
+  at_ = std::min(stop + 1, text_.size());
+  ++number_;
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
 }
 
 }  // namespace chladni::io

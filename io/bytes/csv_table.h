@@ -2,10 +2,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "io/bytes/gzip.h"
 #include "io/bytes/room.h"
 
 namespace chladni::io {
@@ -37,5 +40,30 @@ struct CsvTable {
 ///                       numbers than the limit allows
 [[nodiscard]] CsvTable csv_table(std::string_view bytes, const std::string& file,
                                  std::size_t limit = reading_limit());
+
+/// The rows of such a table, one after the other, of a file that need not fit the memory. It may be
+/// packed by gzip.
+class CsvRows {
+ public:
+  /// @throws InvalidInput  the file cannot be read; the line of the names as csv_table
+  explicit CsvRows(const std::filesystem::path& file);
+
+  /// File, names and line of the names, without rows.
+  [[nodiscard]] const CsvTable& head() const { return head_; }
+  /// Appends the numbers of the next row, and its line of the file; false at the end.
+  /// @throws InvalidInput  as csv_table; a line of more than 16 MB
+  bool next(std::vector<double>& numbers, std::vector<int>& lines);
+
+ private:
+  std::optional<std::string_view> line();
+
+  UnpackedFile in_;
+  bool is_read_ = false;  ///< nothing is left in the file
+  std::string text_;      ///< what was read and not yet used, from at_ on
+  std::size_t at_ = 0;
+  int number_ = 0;  ///< of the last line
+  char separator_ = ',';
+  CsvTable head_;
+};
 
 }  // namespace chladni::io

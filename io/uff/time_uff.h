@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "io/recordings_file.h"
 #include "io/time_file.h"
 #include "io/uff/uff.h"
 
@@ -16,6 +17,15 @@ namespace chladni::io {
 /// @throws InvalidInput  as parse_uff; or recordings of one experiment differ in length or step
 [[nodiscard]] TimeFile parse_time_uff(std::string_view bytes, const std::string& name,
                                       const TimeOptions& options = {});
+
+/// The same recordings, with the samples on the disk. Memory: the bytes, and one channel of one
+/// recording.
+/// @throws OutOfResources  no room for the scratch file
+[[nodiscard]] RecordingsFile parse_time_uff_in_pieces(std::string_view bytes,
+                                                      const std::string& name,
+                                                      const TimeOptions& options = {});
+/// Whether the begin of a file states a period, as time_uff writes it.
+[[nodiscard]] bool states_period(std::string_view begin_of_file);
 
 /// A universal file in SI with 13 digits (text) or all digits (binary).
 /// @throws InvalidInput  a name has more than 60 letters or a line end

@@ -27,8 +27,9 @@ std::string dataset_number(std::string_view line) {
 
 class UffReader {
  public:
-  UffReader(std::string_view bytes, const std::string& name, std::size_t limit)
-      : lines_(bytes, name, limit), name_(name) {}
+  UffReader(std::string_view bytes, const std::string& name, std::size_t limit,
+            const UffVisitor& visit)
+      : lines_(bytes, name, limit), name_(name), visit_(visit) {}
 
   Uff read() {
     skip_to_first();
@@ -94,8 +95,12 @@ class UffReader {
 
   void read_dataset(const std::string& number, const std::string& head) {
     if (number == "58" || number == "58b") {
+      const auto room = lines_.room();
       uff_.functions.push_back(uff_function(lines_, head, uff_.notes));
-      uff_.functions.back().units = current_;
+      auto& function = uff_.functions.back();
+      function.units = current_;
+      if (visit_) visit_(function);
+      if (function.x.size() == 0 && function.y.size() == 0) lines_.restore_room(room);
     } else if (number == "55" || number == "2414") {
       auto shape =
           number == "55" ? uff_shape_55(lines_, uff_.notes) : uff_shape_2414(lines_, uff_.notes);
@@ -233,6 +238,7 @@ class UffReader {
 
   UffLines lines_;
   std::string name_, last_;
+  const UffVisitor& visit_;
   Uff uff_;
   std::optional<UffUnits> current_;
   std::map<std::string, int> unknown_;
@@ -241,9 +247,10 @@ class UffReader {
 
 }  // namespace
 
-Uff parse_uff(std::string_view bytes, const std::string& name, std::size_t limit) {
+Uff parse_uff(std::string_view bytes, const std::string& name, std::size_t limit,
+              const UffVisitor& visit) {
   refuse_utf16(bytes, name);
-  return UffReader(bytes, name, limit).read();
+  return UffReader(bytes, name, limit, visit).read();
 }
 
 long long uff_integer(const UffLines& lines, std::string_view word, std::string_view what) {

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <complex>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -92,6 +93,8 @@ struct Uff {
   std::vector<std::string> notes;
 };
 
+using UffVisitor = std::function<void(UffFunction& function)>;
+
 /// Reads datasets 15, 18, 55, 58, 58b, 82, 151, 164, 781, 2411, 2412, 2414 and 2420; other datasets
 /// are noted. It accepts Fortran's D exponents, numbers without blanks between them, blank lines,
 /// line ends of any kind, line feeds before and after binary data, either byte order in each
@@ -100,8 +103,10 @@ struct Uff {
 /// @throws InvalidInput  names the file, the dataset, the line (and byte), what was found and what
 ///                       was expected
 /// @param limit  limit of the memory for all functions [bytes]
+/// @param visit  called with each function when it is read; it may take x and y away, and then one
+///               function at a time needs memory
 [[nodiscard]] Uff parse_uff(std::string_view bytes, const std::string& name,
-                            std::size_t limit = reading_limit());
+                            std::size_t limit = reading_limit(), const UffVisitor& visit = {});
 
 enum class UffEncoding { text, binary };
 

@@ -37,6 +37,8 @@ class UffLines {
 
   /// Takes bytes from the room. @throws InvalidInput  there is not enough room left
   void take_room(double bytes);
+  [[nodiscard]] std::size_t room() const { return room_; }
+  void restore_room(std::size_t bytes) { room_ = bytes; }
 
   /// Sets the dataset and the line that messages name.
   void enter(std::string dataset, std::size_t line) {

@@ -15,13 +15,14 @@ namespace chladni::recordings {
 namespace {
 
 // Inputs that equal their reference in every record, to the last bit of the spectra.
-std::vector<bool> uncontrolled(const Spectra& spectra) {
-  std::vector<bool> result(spectra.inputs.size(), true);
-  for (const auto& record : spectra.records) {
-    for (std::size_t p = 0; p < record.inputs.size(); ++p) {
+std::vector<bool> uncontrolled(const SpectraSource& spectra) {
+  std::vector<bool> result(spectra.head.inputs.size(), true);
+  for (std::size_t i = 0; i < spectra.records.size(); ++i) {
+    for (std::size_t p = 0; p < spectra.records[i].periods; ++p) {
+      const auto period = spectra.period(i, p);
       for (std::size_t j = 0; j < result.size(); ++j) {
         const auto column = static_cast<Eigen::Index>(j);
-        if (record.inputs[p].col(column) != record.references[p].col(column)) result[j] = false;
+        if (period.inputs->col(column) != period.references->col(column)) result[j] = false;
       }
     }
   }
@@ -85,25 +86,34 @@ std::vector<Eigen::MatrixXcd> inverted(const Transfer& mean, const std::vector<b
   return inverse;
 }
 
+void check_references(const Spectra& spectra) {
+  require(spectra.references.size() == spectra.inputs.size(),
+          "closed loop: " + fmt::to_string(spectra.references.size()) + " references for " +
+              fmt::to_string(spectra.inputs.size()) +
+              " inputs; expected one for each (of an input that is not controlled: the input)");
+}
+
 }  // namespace
 
 ClosedLoopEstimate closed_loop_estimate(const Spectra& all, const FrfEstimateOptions& options) {
   require(!all.records.empty(), "closed loop: no record");
-  require(all.references.size() == all.inputs.size(),
-          "closed loop: " + fmt::to_string(all.references.size()) + " references for " +
-              fmt::to_string(all.inputs.size()) +
-              " inputs; expected one for each (of an input that is not controlled: the input)");
+  check_references(all);
   const auto spectra = excited_part(all, options);
+  return closed_loop_of_excited(source_of(spectra), options);
+}
+
+ClosedLoopEstimate closed_loop_of_excited(const SpectraSource& spectra,
+                                          const FrfEstimateOptions& options) {
   ClosedLoopEstimate result;
   auto& estimate = result.estimate;
   estimate.transient = transient(spectra);
   estimate.dropped = options.drop.value_or(estimate.transient.drop);
-  const auto plan = plan_of(spectra, estimate.dropped);
+  const auto plan = plan_of(spectra.head, estimate.dropped);
   const auto mean = transfer(spectra, plan);
   estimate.periods = mean.periods;
   estimate.realisations = mean.realisations;
-  estimate.set.outputs = spectra.outputs;
-  estimate.set.inputs = spectra.inputs;
+  estimate.set.outputs = spectra.head.outputs;
+  estimate.set.inputs = spectra.head.inputs;
   const auto p = estimate.set.output_count();
   const auto q = estimate.set.input_count();
   const auto inverse = inverted(mean, uncontrolled(spectra), p, result);
@@ -112,7 +122,7 @@ ClosedLoopEstimate closed_loop_estimate(const Spectra& all, const FrfEstimateOpt
     return (d.topRows(p) - estimate.set.value[k] * d.bottomRows(q)) * inverse[k];
   };
   const auto of_s = [&](std::size_t, const Deviation& d) -> Deviation { return d.bottomRows(q); };
-  fill(spectra, variances(spectra, plan, mean, of_g), options, estimate);
+  fill(spectra.head, variances(spectra, plan, mean, of_g), options, estimate);
   warn(variances(spectra, plan, mean, of_s).total, result);
   return result;
 }

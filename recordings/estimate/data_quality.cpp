@@ -108,11 +108,12 @@ std::string trusted_bands(const modal::FrfSet& set, const std::vector<BandQualit
 namespace {
 
 // 1 where a record excites the line, by its inputs (in a loop its references).
-std::vector<char> excited_in(const Spectra& all) {
-  Eigen::VectorXd power = Eigen::VectorXd::Zero(all.line_count());
-  for (const auto& record : all.records) {
-    const auto& side = all.references.empty() ? record.inputs : record.references;
-    power = power.cwiseMax(side.back().cwiseAbs2().rowwise().maxCoeff());
+std::vector<char> excited_in(const SpectraSource& all) {
+  Eigen::VectorXd power = Eigen::VectorXd::Zero(all.head.line_count());
+  for (std::size_t i = 0; i < all.records.size(); ++i) {
+    const auto last = all.period(i, all.records[i].periods - 1);
+    const auto& side = all.head.references.empty() ? *last.inputs : *last.references;
+    power = power.cwiseMax(side.cwiseAbs2().rowwise().maxCoeff());
   }
   std::vector<char> excited;
   for (const double one : power) excited.push_back(one > kSilent * power.maxCoeff() ? 1 : 0);
@@ -124,19 +125,21 @@ struct MeanPower {
   Eigen::MatrixXd mean, noise;
 };
 
-MeanPower powers_of(const Spectra& all, Index drop) {
-  const auto p = std::ssize(all.outputs);
-  MeanPower power{Eigen::MatrixXd::Zero(all.line_count(), p),
-                  Eigen::MatrixXd::Zero(all.line_count(), p)};
+MeanPower powers_of(const SpectraSource& all, Index drop) {
+  const auto p = std::ssize(all.head.outputs);
+  MeanPower power{Eigen::MatrixXd::Zero(all.head.line_count(), p),
+                  Eigen::MatrixXd::Zero(all.head.line_count(), p)};
   const double records = static_cast<double>(all.records.size());
-  for (const auto& record : all.records) {
+  for (std::size_t r = 0; r < all.records.size(); ++r) {
     const auto first = static_cast<std::size_t>(drop);
-    const auto periods = static_cast<double>(record.outputs.size() - first);
-    Eigen::MatrixXcd mean = Eigen::MatrixXcd::Zero(all.line_count(), p);
-    for (auto i = first; i < record.outputs.size(); ++i) mean += record.outputs[i] / periods;
+    const auto count = all.records[r].periods;
+    const auto periods = static_cast<double>(count - first);
+    Eigen::MatrixXcd mean = Eigen::MatrixXcd::Zero(all.head.line_count(), p);
+    for (auto i = first; i < count; ++i) mean += *all.period(r, i).outputs / periods;
     power.mean += mean.cwiseAbs2() / records;
-    for (auto i = first; i < record.outputs.size(); ++i) {
-      power.noise += (record.outputs[i] - mean).cwiseAbs2() / (records * periods * (periods - 1.0));
+    for (auto i = first; i < count; ++i) {
+      power.noise +=
+          (*all.period(r, i).outputs - mean).cwiseAbs2() / (records * periods * (periods - 1.0));
     }
   }
   return power;
@@ -146,13 +149,24 @@ Eigen::VectorXd decibels(const Eigen::VectorXd& power, const Eigen::VectorXd& ov
   return 10.0 * power.cwiseMax(0.0).cwiseQuotient(over).array().log10();
 }
 
+// What the lines hold of each output above noise, over its size [dB]; NaN where there is no line.
+Eigen::VectorXd level_of(const MeanPower& power, const std::vector<Index>& lines,
+                         const Eigen::VectorXd& size) {
+  if (lines.empty()) {
+    return Eigen::VectorXd::Constant(size.size(), std::numeric_limits<double>::quiet_NaN());
+  }
+  const Eigen::MatrixXd above = power.mean(lines, Eigen::all) - power.noise(lines, Eigen::all);
+  return decibels(above.colwise().mean().transpose(), size);
+}
+
 }  // namespace
 
-std::optional<DetectionLevels> detection_levels(const Spectra& all, Index drop) {
-  for (const auto& record : all.records) {
-    if (std::ssize(record.outputs) < drop + 2) return std::nullopt;
+std::optional<DetectionLevels> detection_levels(const SpectraSource& source, Index drop) {
+  for (const auto& record : source.records) {
+    if (static_cast<Index>(record.periods) < drop + 2) return std::nullopt;
   }
-  const auto excited = excited_in(all);
+  const auto& all = source.head;
+  const auto excited = excited_in(source);
   const auto first = std::ranges::find(excited, 1) - excited.begin();
   const auto last =
       std::ssize(excited) - 1 - (std::find(excited.rbegin(), excited.rend(), 1) - excited.rbegin());
@@ -161,7 +175,7 @@ std::optional<DetectionLevels> detection_levels(const Spectra& all, Index drop) 
     (excited[static_cast<std::size_t>(k)] != 0 ? driven : silent).push_back(k);
   }
   if (silent.empty() || driven.empty()) return std::nullopt;
-  const auto power = powers_of(all, drop);
+  const auto power = powers_of(source, drop);
   const double amplitude = 2.0 / static_cast<double>(all.period);
   DetectionLevels found{.hz = Eigen::VectorXd(std::ssize(silent)),
                         .odd = {},
@@ -177,46 +191,65 @@ std::optional<DetectionLevels> detection_levels(const Spectra& all, Index drop) 
     (is_odd ? odd : even).push_back(silent[i]);
   }
   const Eigen::VectorXd size = power.mean(driven, Eigen::all).colwise().mean().transpose();
-  const auto level = [&](const std::vector<Index>& lines) -> Eigen::VectorXd {
-    if (lines.empty()) {
-      return Eigen::VectorXd::Constant(size.size(), std::numeric_limits<double>::quiet_NaN());
-    }
-    const Eigen::MatrixXd above = power.mean(lines, Eigen::all) - power.noise(lines, Eigen::all);
-    return decibels(above.colwise().mean().transpose(), size);
-  };
-  found.even_db = level(even);
-  found.odd_db = level(odd);
+  found.even_db = level_of(power, even, size);
+  found.odd_db = level_of(power, odd, size);
   found.noise_db = decibels(power.noise(silent, Eigen::all).colwise().mean().transpose(), size);
   return found;
 }
 
-std::vector<PeriodDrift> period_drift(const Spectra& excited, Index drop) {
+namespace {
+
+/// Sums over lines and records, of each output.
+struct Trend {
+  Eigen::ArrayXd along;   // Σ |slope|² · Σ time²
+  Eigen::ArrayXd around;  // what is left
+  Eigen::ArrayXd size;    // of the mean
+};
+
+void add(const SpectraSource& excited, std::size_t record, Index drop, const Eigen::VectorXd& time,
+         Trend& trend) {
+  const auto outputs = [&](Index p) {
+    return excited.period(record, static_cast<std::size_t>(drop + p));
+  };
+  const double squares = time.squaredNorm();
+  Eigen::MatrixXcd mean = Eigen::MatrixXcd::Zero(excited.head.line_count(), trend.size.size());
+  Eigen::MatrixXcd slope = mean;
+  for (Index p = 0; p < time.size(); ++p) {
+    const auto period = outputs(p);
+    mean += *period.outputs / static_cast<double>(time.size());
+    slope += *period.outputs * (time(p) / squares);
+  }
+  const Eigen::ArrayXd along = slope.colwise().squaredNorm().transpose().array() * squares;
+  trend.along += along;
+  trend.around -= along;
+  for (Index p = 0; p < time.size(); ++p) {
+    const auto period = outputs(p);
+    trend.around += (*period.outputs - mean).colwise().squaredNorm().transpose().array();
+  }
+  trend.size += mean.colwise().squaredNorm().transpose().array();
+}
+
+}  // namespace
+
+std::vector<PeriodDrift> period_drift(const SpectraSource& excited, Index drop) {
   std::vector<PeriodDrift> found;
   Index fewest = std::numeric_limits<Index>::max();
   for (const auto& record : excited.records) {
-    fewest = std::min(fewest, std::ssize(record.outputs) - drop);
+    fewest = std::min(fewest, static_cast<Index>(record.periods) - drop);
   }
   if (excited.records.empty() || fewest < 3) return found;
   const Eigen::VectorXd time =
       Eigen::VectorXd::LinSpaced(fewest, -0.5, 0.5);  // from the first to the last period
   const double lines =
-      static_cast<double>(excited.line_count()) * static_cast<double>(excited.records.size());
-  for (Index i = 0; i < std::ssize(excited.outputs); ++i) {
-    double along = 0.0;  // Σ |slope|² · Σ time²
-    double around = 0.0;
-    double size = 0.0;
-    for (const auto& record : excited.records) {
-      Eigen::MatrixXcd periods(excited.line_count(), fewest);
-      for (Index p = 0; p < fewest; ++p) {
-        periods.col(p) = record.outputs[static_cast<std::size_t>(drop + p)].col(i);
-      }
-      const Eigen::VectorXcd mean = periods.rowwise().mean();
-      const Eigen::VectorXcd slope = periods * time / time.squaredNorm();
-      along += slope.squaredNorm() * time.squaredNorm();
-      around += (periods.colwise() - mean).squaredNorm() - slope.squaredNorm() * time.squaredNorm();
-      size += mean.squaredNorm();
-    }
-    const double noise = std::max(around, 1e-28 * size) / static_cast<double>(fewest - 2);
+      static_cast<double>(excited.head.line_count()) * static_cast<double>(excited.records.size());
+  const auto count = std::ssize(excited.head.outputs);
+  Trend trend{Eigen::ArrayXd::Zero(count), Eigen::ArrayXd::Zero(count),
+              Eigen::ArrayXd::Zero(count)};
+  for (std::size_t r = 0; r < excited.records.size(); ++r) add(excited, r, drop, time, trend);
+  for (Index i = 0; i < count; ++i) {
+    const double along = trend.along(i);
+    const double size = trend.size(i);
+    const double noise = std::max(trend.around(i), 1e-28 * size) / static_cast<double>(fewest - 2);
     // The ratio has 2·lines real numbers over 2·lines·(P − 2).
     const double spread = std::sqrt((1.0 + 1.0 / static_cast<double>(fewest - 2)) / lines);
     const double excess = (along / noise - 1.0) / spread;

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "recordings/constants.h"
 #include "recordings/estimate/local_transient.h"
+#include "recordings/recordings.h"
 
 namespace chladni::recordings {
 namespace {
@@ -33,13 +34,18 @@ Eigen::Index lines_for_freedom(Eigen::Index freedom) {
 }
 
 Spectra excited_part(const Spectra& all, const FrfEstimateOptions& options) {
+  return part(all, excited_places(source_of(all), options));
+}
+
+std::vector<Eigen::Index> excited_places(const SpectraSource& all,
+                                         const FrfEstimateOptions& options) {
   auto places = excited_lines(all);
   std::erase_if(places, [&](Eigen::Index k) {
-    const double hz = all.hz(static_cast<std::size_t>(k));
+    const double hz = all.head.hz(static_cast<std::size_t>(k));
     return hz < options.low_hz || (options.high_hz > 0.0 && hz > options.high_hz);
   });
   require(!places.empty(), "FRF estimate: no line in the band is excited");
-  return part(all, places);
+  return places;
 }
 
 std::vector<Eigen::MatrixXd> smoothed(const std::vector<Eigen::MatrixXd>& variance,
@@ -98,11 +104,16 @@ void fill(const Spectra& spectra, const TransferVariances& found, const FrfEstim
 FrfEstimate frf_estimate(const Spectra& all, const FrfEstimateOptions& options) {
   require(!all.records.empty(), "FRF estimate: no record");
   const auto spectra = excited_part(all, options);
+  return frf_estimate_of_excited(source_of(spectra), options);
+}
+
+FrfEstimate frf_estimate_of_excited(const SpectraSource& spectra,
+                                    const FrfEstimateOptions& options) {
   FrfEstimate result;
   result.transient = transient(spectra);
   result.dropped = options.drop.value_or(result.transient.drop);
-  const TransferPlan plan{.to = all_of(Side::outputs, spectra.outputs.size()),
-                          .from = all_of(Side::inputs, spectra.inputs.size()),
+  const TransferPlan plan{.to = all_of(Side::outputs, spectra.head.outputs.size()),
+                          .from = all_of(Side::inputs, spectra.head.inputs.size()),
                           .drop = result.dropped};
   auto mean = transfer(spectra, plan);
   result.periods = mean.periods;
@@ -110,10 +121,10 @@ FrfEstimate frf_estimate(const Spectra& all, const FrfEstimateOptions& options) 
   const auto found =
       variances(spectra, plan, mean,
                 [](std::size_t, const Eigen::MatrixXcd& deviation) { return deviation; });
-  result.set.outputs = spectra.outputs;
-  result.set.inputs = spectra.inputs;
+  result.set.outputs = spectra.head.outputs;
+  result.set.inputs = spectra.head.inputs;
   result.set.value = std::move(mean.value);
-  fill(spectra, found, options, result);
+  fill(spectra.head, found, options, result);
   return result;
 }
 
@@ -129,10 +140,14 @@ std::pair<Spectra, FrfEstimateOptions> prepared(const TimeData& data,
 }
 
 void tell_removed(const TimeData& data, const TransientReport& about, FrfEstimate& estimate) {
-  Eigen::Index periods = data.records.front().outputs.rows() / data.period;
-  for (const auto& record : data.records) {
-    periods = std::min(periods, record.outputs.rows() / data.period);
-  }
+  tell_removed(fewest_periods(recordings_of(data)), about, estimate);
+}
+
+Eigen::Index first_steady_period(const FrfEstimate& estimate) {
+  return std::max<Eigen::Index>(estimate.dropped, estimate.transient.seen ? 2 : 1);
+}
+
+void tell_removed(Eigen::Index periods, const TransientReport& about, FrfEstimate& estimate) {
   estimate.periods = periods;
   std::erase(estimate.notes, estimate.transient.text);
   estimate.transient = about;

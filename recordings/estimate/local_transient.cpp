@@ -3,10 +3,18 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <map>
+#include <optional>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "base/error.h"
+#include "base/turn.h"
+#include "dense/algebra.h"
 #include "recordings/fft.h"
+#include "recordings/recordings.h"
 
 namespace chladni::recordings {
 namespace {
@@ -50,7 +58,7 @@ Window window_at(Index line, Index periods, Index last) {
     window.powers.col(d) = window.powers.col(d - 1).cwiseProduct(window.offset);
   }
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(window.powers);
-  window.fit = qr.solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(kNeighbours, kNeighbours)));
+  window.fit = dense::inverse_of(qr);
   const Eigen::MatrixXd q = qr.householderQ();
   window.rest = q.rightCols(kFreedom).transpose();
   window.leverage = window.fit.row(0).squaredNorm();
@@ -99,58 +107,138 @@ Eigen::MatrixXd helmert(Index n) {
   return matrix;
 }
 
-// The spectra of one side of a record: [pseudo-period] K×channels.
-std::vector<Eigen::MatrixXcd> cleaned(const Eigen::MatrixXd& samples,
-                                      const std::vector<Window>& windows,
-                                      const std::vector<Index>& line, Index periods) {
-  const auto count = static_cast<Index>(line.size());
-  static const Eigen::MatrixXd spread = helmert(kFreedom);
-  std::vector<Eigen::MatrixXcd> result(static_cast<std::size_t>(kFreedom + 1),
-                                       Eigen::MatrixXcd(count, samples.cols()));
-  if (samples.cols() == 0) return result;
-  const Eigen::MatrixXcd all = fourier(samples);
-  const auto of_all = static_cast<double>(periods);
-  for (Index k = 0; k < count; ++k) {
-    const auto& window = windows[static_cast<std::size_t>(k)];
-    // Σ|Δ|² / (P'(P' − 1)) is then the variance of the mean.
-    const double scale =
-        std::sqrt(static_cast<double>(kFreedom + 1) * (1.0 + window.leverage)) / of_all;
-    for (Index c = 0; c < samples.cols(); ++c) {
-      const Eigen::VectorXcd around = all(window.lines, c);
-      const auto fit = best(window, around);
-      const auto mean =
-          (all(line[static_cast<std::size_t>(k)] * periods, c) - fit.transient) / of_all;
-      const Eigen::VectorXcd deviation = scale * (spread * (window.rest * fit.left));
-      for (Index p = 0; p <= kFreedom; ++p) {
-        result[static_cast<std::size_t>(p)](k, c) = mean + deviation(p);
-      }
+/// The lines of the transform of all periods that fits need, by their residue after division by
+/// the number of periods.
+struct NeededLines {
+  std::vector<Index> lines;                // ascending
+  std::map<Index, std::vector<Index>> of;  // by residue: places in `lines`
+
+  [[nodiscard]] Index place(Index line) const {
+    return std::lower_bound(lines.begin(), lines.end(), line) - lines.begin();
+  }
+};
+
+// The transform of all P periods of N samples on those lines. On line kP + r it is line k of the
+// transform of e^{−j2πrn/PN} Σ_p e^{−j2πrp/P} x_p(n): one transform of a period for each r.
+Eigen::VectorXcd transform_on(const NeededLines& needed, const Recordings& recordings,
+                              std::size_t record, Side side, Index channel) {
+  const auto n = recordings.head.period;
+  const auto periods = recordings.records[record].samples / n;
+  const auto turn = [](Index part, Index whole) {
+    return std::polar(1.0,
+                      -kTwoPi * static_cast<double>(part % whole) / static_cast<double>(whole));
+  };
+  Eigen::MatrixXcd folded = Eigen::MatrixXcd::Zero(n, std::ssize(needed.of));
+  for (Index p = 0; p < periods; ++p) {
+    const auto x = recordings.samples(record, side, channel, p * n, n);
+    Index column = 0;
+    for (const auto& [residue, places] : needed.of) {
+      folded.col(column++) += turn(residue * p, periods) * x.cast<std::complex<double>>();
+    }
+  }
+  Eigen::VectorXcd result(std::ssize(needed.lines));
+  Index column = 0;
+  for (const auto& [residue, places] : needed.of) {
+    auto one = folded.col(column++);
+    for (Index i = 0; i < n; ++i) one(i) *= turn(residue * i, periods * n);
+    const Eigen::VectorXcd real = fourier(one.real()).col(0);
+    const Eigen::VectorXcd imaginary = fourier(one.imag()).col(0);
+    for (const auto place : places) {
+      const Index k = needed.lines[static_cast<std::size_t>(place)] / periods;
+      result(place) = real(k) + std::complex<double>(0.0, 1.0) * imaginary(k);
     }
   }
   return result;
 }
 
+/// The windows of the lines of a period, in records of one number of periods.
+struct Windows {
+  Windows(const std::vector<Index>& line, Index of, Index samples) : periods(of) {
+    std::set<Index> all;
+    for (const auto k : line) {
+      windows.push_back(window_at(k * periods, periods, samples / 2));
+      all.insert(k * periods);
+      all.insert(windows.back().lines.begin(), windows.back().lines.end());
+    }
+    needed.lines.assign(all.begin(), all.end());
+    for (Index place = 0; place < std::ssize(needed.lines); ++place) {
+      needed.of[needed.lines[static_cast<std::size_t>(place)] % periods].push_back(place);
+    }
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      own.push_back(needed.place(line[i] * periods));
+      for (auto& at : windows[i].lines) at = needed.place(at);
+    }
+  }
+
+  Index periods = 0;
+  std::vector<Window> windows;  // their lines are places in `needed`
+  std::vector<Index> own;       // of the lines of the period
+  NeededLines needed;
+};
+
+// The spectra of one channel of a record, from the transform on the needed lines.
+// @param result  [pseudo-period] K×channels
+void clean(const Eigen::VectorXcd& all, const Windows& of, Index channel,
+           std::vector<Eigen::MatrixXcd>& result) {
+  static const Eigen::MatrixXd spread = helmert(kFreedom);
+  const auto of_all = static_cast<double>(of.periods);
+  for (std::size_t k = 0; k < of.own.size(); ++k) {
+    const auto& window = of.windows[k];
+    // Σ|Δ|² / (P'(P' − 1)) is then the variance of the mean.
+    const double scale =
+        std::sqrt(static_cast<double>(kFreedom + 1) * (1.0 + window.leverage)) / of_all;
+    const Eigen::VectorXcd around = all(window.lines);
+    const auto fit = best(window, around);
+    const auto mean = (all(of.own[k]) - fit.transient) / of_all;
+    const Eigen::VectorXcd deviation = scale * (spread * (window.rest * fit.left));
+    for (Index p = 0; p <= kFreedom; ++p) {
+      result[static_cast<std::size_t>(p)](static_cast<Index>(k), channel) = mean + deviation(p);
+    }
+  }
+}
+
+// The record's wanted sides.
+Spectra::Record cleaned(const Recordings& recordings, std::size_t i, const Windows& windows,
+                        const std::vector<Side>& sides) {
+  const auto side_of = [&](Side side, const std::vector<modal::MeasuredChannel>& channels) {
+    const auto count = std::ranges::count(sides, side) > 0 ? std::ssize(channels) : 0;
+    std::vector<Eigen::MatrixXcd> result(static_cast<std::size_t>(kFreedom + 1),
+                                         Eigen::MatrixXcd(std::ssize(windows.own), count));
+    for (Index c = 0; c < count; ++c) {
+      clean(transform_on(windows.needed, recordings, i, side, c), windows, c, result);
+    }
+    return result;
+  };
+  const auto& head = recordings.head;
+  const auto& place = recordings.records[i];
+  return {place.experiment, place.realisation, side_of(Side::outputs, head.outputs),
+          side_of(Side::inputs, head.inputs), side_of(Side::references, head.references)};
+}
+
 }  // namespace
 
-Spectra without_start(const TimeData& data, double low_hz, double high_hz) {
-  auto result = spectra(data, low_hz, high_hz);
-  result.records.clear();
-  Index before = 0;
-  std::vector<Window> windows;
-  for (const auto& record : data.records) {
-    const auto samples = record.outputs.rows();
-    const auto periods = samples / data.period;
+Index periods_without_start() { return kFreedom + 1; }
+
+RecordWithoutStart record_without_start(const Recordings& recordings, std::vector<Index> line) {
+  return [&recordings, line = std::move(line), windows = std::optional<Windows>()](
+             std::size_t i, const std::vector<Side>& sides) mutable {
+    const auto samples = recordings.records[i].samples;
+    const auto periods = samples / recordings.head.period;
     require(periods >= 2,
             "transient: a record of one period; expected two or more, or transient = \"drop\"");
-    if (periods != before) {
-      windows.clear();
-      for (const auto k : result.line)
-        windows.push_back(window_at(k * periods, periods, samples / 2));
-      before = periods;
-    }
-    result.records.push_back({record.experiment, record.realisation,
-                              cleaned(record.outputs, windows, result.line, periods),
-                              cleaned(record.inputs, windows, result.line, periods),
-                              cleaned(record.references, windows, result.line, periods)});
+    if (!windows || windows->periods != periods) windows.emplace(line, periods, samples);
+    return cleaned(recordings, i, *windows, sides);
+  };
+}
+
+Spectra without_start(const TimeData& data, double low_hz, double high_hz) {
+  check(data);
+  check_periods(data);
+  auto result = lines_between(data, low_hz, high_hz);
+  const auto recordings = recordings_of(data);
+  const auto record = record_without_start(recordings, result.line);
+  for (std::size_t i = 0; i < data.records.size(); ++i) {
+    result.records.push_back(record(i, {Side::outputs, Side::inputs, Side::references}));
   }
   return result;
 }

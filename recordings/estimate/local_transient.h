@@ -1,6 +1,9 @@
 // Removal of a start from all periods at once, by what lies between the excited lines.
 #pragma once
 
+#include <functional>
+#include <vector>
+
 #include "recordings/spectra.h"
 #include "recordings/time_data.h"
 
@@ -24,5 +27,19 @@ namespace chladni::recordings {
 /// Cost: one transform of each record, and two small least-squares fits per channel and line.
 [[nodiscard]] Spectra without_start(const TimeData& data, double low_hz = 0.0,
                                     double high_hz = 0.0);
+/// The number of "periods" of each record.
+[[nodiscard]] Eigen::Index periods_without_start();
+
+struct Recordings;  // recordings/recordings.h
+
+/// The same of one record: its spectra on the wanted sides. The other sides have no columns.
+using RecordWithoutStart =
+    std::function<Spectra::Record(std::size_t record, const std::vector<Side>& sides)>;
+
+/// The same, record by record, on given lines of the transform of one period.
+/// Memory: about 40 periods of one channel. A call throws InvalidInput as without_start().
+/// @param recordings  outlive the result
+[[nodiscard]] RecordWithoutStart record_without_start(const Recordings& recordings,
+                                                      std::vector<Eigen::Index> line);
 
 }  // namespace chladni::recordings

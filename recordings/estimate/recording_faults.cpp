@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "recordings/fft.h"
+#include "recordings/recordings.h"
 
 namespace chladni::recordings {
 namespace {
@@ -13,26 +16,30 @@ namespace {
 using Eigen::Index;
 
 constexpr Index kFewestClipped = 5;
+constexpr Index kPiece = 65536;      // samples of a channel that are looked at at once
 constexpr double kMoreOften = 3.0;   // the largest value than the next one
 constexpr double kSamePeriod = 0.9;  // correlation with the first period: it is in place
 constexpr double kShifted = 0.9;     // correlation in another place: it is shifted
 
 // How often the largest value occurs, and the next one.
 struct Extremes {
-  double largest = 0.0;
+  double largest = -HUGE_VAL, next = -HUGE_VAL;
   Index count = 0, next_count = 0;
-};
 
-Extremes extremes_of(const Eigen::VectorXd& values) {
-  Extremes found{.largest = values.maxCoeff()};
-  double next = -HUGE_VAL;
-  for (const double value : values) {
-    if (value == found.largest) ++found.count;
-    if (value < found.largest) next = std::max(next, value);
+  void add(double value) {
+    if (value > largest) {
+      next = std::exchange(largest, value);
+      next_count = std::exchange(count, 1);
+    } else if (value == largest) {
+      ++count;
+    } else if (value > next) {
+      next = value;
+      next_count = 1;
+    } else if (value == next) {
+      ++next_count;
+    }
   }
-  found.next_count = (values.array() == next).count();
-  return found;
-}
+};
 
 bool is_clipped(const Extremes& extremes) {
   return extremes.largest > 0.0 && extremes.count >= kFewestClipped &&
@@ -40,24 +47,38 @@ bool is_clipped(const Extremes& extremes) {
              kMoreOften * static_cast<double>(std::max<Index>(1, extremes.next_count));
 }
 
-void look_for_clipping(const std::vector<modal::MeasuredChannel>& channels,
-                       Eigen::MatrixXd Record::*side, const TimeData& data,
+// Walks over one channel of a record in pieces.
+template <typename Look>
+void walk(const Recordings& recordings, std::size_t record, Side side, Index channel, Look look) {
+  const Index samples = recordings.records[record].samples;
+  for (Index first = 0; first < samples; first += kPiece) {
+    look(recordings.samples(record, side, channel, first, std::min(kPiece, samples - first)));
+  }
+}
+
+void look_for_clipping(const Recordings& recordings, Side side,
+                       const std::vector<modal::MeasuredChannel>& channels,
                        RecordingFaults& faults) {
   for (std::size_t c = 0; c < channels.size(); ++c) {
     Index clipped = 0;
     Index samples = 0;
     std::size_t first = 0;
     double level = 0.0;
-    for (std::size_t r = 0; r < data.records.size(); ++r) {
-      const Eigen::VectorXd values = (data.records[r].*side).col(static_cast<Index>(c));
-      for (const double sign : {1.0, -1.0}) {
-        const auto extremes = extremes_of(sign * values);
+    for (std::size_t r = 0; r < recordings.records.size(); ++r) {
+      std::array<Extremes, 2> found;
+      walk(recordings, r, side, static_cast<Index>(c), [&](const Eigen::VectorXd& values) {
+        for (const double value : values) {
+          found[0].add(value);
+          found[1].add(-value);
+        }
+        samples += values.size();
+      });
+      for (const auto& extremes : found) {
         if (!is_clipped(extremes)) continue;
         if (clipped == 0) first = r + 1;
         level = extremes.largest;
         clipped += extremes.count;
       }
-      samples += values.size();
     }
     if (clipped == 0) continue;
     faults.clipped.push_back(fmt::format(
@@ -90,39 +111,55 @@ Place place_of(const Eigen::VectorXcd& first, const Eigen::VectorXcd& other, Ind
   return place;
 }
 
-// The excitation of a record: references in a loop, else the strongest input.
-Eigen::VectorXd excitation_of(const TimeData& data, const Record& record) {
-  const auto& side = data.references.empty() ? record.inputs : record.references;
-  if (side.cols() == 0) return {};
-  Index strongest = 0;
-  side.colwise().squaredNorm().maxCoeff(&strongest);
-  return side.col(strongest);
+/// A channel that excites.
+struct Excitation {
+  Side side = Side::inputs;
+  Index channel = -1;  ///< −1: there is none
+};
+
+// The excitation of a record: of the references in a loop, else of the inputs, the strongest.
+Excitation excitation_of(const Recordings& recordings, std::size_t record) {
+  const auto& head = recordings.head;
+  Excitation found{head.references.empty() ? Side::inputs : Side::references};
+  const auto channels = std::ssize(head.references.empty() ? head.inputs : head.references);
+  double strongest = -1.0;
+  for (Index c = 0; c < channels; ++c) {
+    double power = 0.0;
+    walk(recordings, record, found.side, c,
+         [&](const Eigen::VectorXd& values) { power += values.squaredNorm(); });
+    if (power <= strongest) continue;
+    strongest = power;
+    found.channel = c;
+  }
+  return found;
 }
 
-void look_for_losses(const TimeData& data, RecordingFaults& faults) {
-  if (data.period < 4) return;
-  for (std::size_t r = 0; r < data.records.size(); ++r) {
-    const auto signal = excitation_of(data, data.records[r]);
-    const auto periods = signal.size() / data.period;
-    if (periods < 2) continue;
-    const Eigen::VectorXcd first = fourier(signal.head(data.period)).col(0);
-    for (Index p = 1; p < periods; ++p) {
-      const Eigen::VectorXcd other = fourier(signal.segment(p * data.period, data.period)).col(0);
-      const auto place = place_of(first, other, data.period);
-      if (place.here >= kSamePeriod) continue;
-      if (place.best < kShifted && p + 1 < periods) continue;  // the loss is within this period
-      faults.lost.push_back(
-          place.best >= kShifted
-              ? fmt::format("record {}: from period {} on the excitation comes {} samples {}: "
-                            "samples were {}",
-                            r + 1, p + 1, std::abs(place.shift), place.shift > 0 ? "early" : "late",
-                            place.shift > 0 ? "lost" : "recorded twice")
-              : fmt::format(
-                    "record {}: period {} of the excitation differs from the first: samples "
-                    "were lost in it, or the stated period of {} samples is wrong",
-                    r + 1, p + 1, data.period));
-      break;
-    }
+void look_for_losses(const Recordings& recordings, std::size_t record, RecordingFaults& faults) {
+  const Index n = recordings.head.period;
+  if (n < 4) return;
+  const Index periods = recordings.records[record].samples / n;
+  const auto excitation = excitation_of(recordings, record);
+  if (periods < 2 || excitation.channel < 0) return;
+  const auto period = [&](Index p) -> Eigen::VectorXcd {
+    return fourier(recordings.samples(record, excitation.side, excitation.channel, p * n, n))
+        .col(0);
+  };
+  const auto first = period(0);
+  for (Index p = 1; p < periods; ++p) {
+    const auto place = place_of(first, period(p), n);
+    if (place.here >= kSamePeriod) continue;
+    if (place.best < kShifted && p + 1 < periods) continue;  // the loss is within this period
+    faults.lost.push_back(
+        place.best >= kShifted
+            ? fmt::format("record {}: from period {} on the excitation comes {} samples {}: "
+                          "samples were {}",
+                          record + 1, p + 1, std::abs(place.shift),
+                          place.shift > 0 ? "early" : "late",
+                          place.shift > 0 ? "lost" : "recorded twice")
+            : fmt::format("record {}: period {} of the excitation differs from the first: samples "
+                          "were lost in it, or the stated period of {} samples is wrong",
+                          record + 1, p + 1, n));
+    return;
   }
 }
 
@@ -130,10 +167,16 @@ void look_for_losses(const TimeData& data, RecordingFaults& faults) {
 
 RecordingFaults recording_faults(const TimeData& data) {
   check(data);
+  return recording_faults(recordings_of(data));
+}
+
+RecordingFaults recording_faults(const Recordings& recordings) {
   RecordingFaults faults;
-  look_for_clipping(data.outputs, &Record::outputs, data, faults);
-  look_for_clipping(data.inputs, &Record::inputs, data, faults);
-  look_for_losses(data, faults);
+  look_for_clipping(recordings, Side::outputs, recordings.head.outputs, faults);
+  look_for_clipping(recordings, Side::inputs, recordings.head.inputs, faults);
+  for (std::size_t r = 0; r < recordings.records.size(); ++r) {
+    look_for_losses(recordings, r, faults);
+  }
   return faults;
 }
 

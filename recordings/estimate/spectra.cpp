@@ -26,19 +26,14 @@ std::vector<Eigen::MatrixXcd> by_period(const Eigen::MatrixXd& samples, Eigen::I
   return result;
 }
 
-void check_periods(const TimeData& data) {
-  require(data.period >= 4,
-          "time data: no period is stated; expected the samples of the periodic excitation (hammer "
-          "data are estimated with H1 or H2)");
-  for (std::size_t i = 0; i < data.records.size(); ++i) {
-    const auto samples = data.records[i].outputs.rows();
-    require(
-        samples >= data.period && samples % data.period == 0,
-        "time data: record " + fmt::to_string(i + 1) + " has " + fmt::to_string(samples) +
-            " samples, " +
-            fmt::format("{:.6g}", static_cast<double>(samples) / static_cast<double>(data.period)) +
-            " periods of " + fmt::to_string(data.period) + "; expected a whole number of periods");
-  }
+Spectra without_records(const Spectra& spectra) {
+  return {.outputs = spectra.outputs,
+          .inputs = spectra.inputs,
+          .references = spectra.references,
+          .sample_time_s = spectra.sample_time_s,
+          .period = spectra.period,
+          .line = spectra.line,
+          .records = {}};
 }
 
 bool same_names(const std::vector<modal::MeasuredChannel>& a,
@@ -49,9 +44,40 @@ bool same_names(const std::vector<modal::MeasuredChannel>& a,
 
 }  // namespace
 
-Spectra spectra(const TimeData& data, double low_hz, double high_hz) {
-  check(data);
-  check_periods(data);
+void check_periods(const TimeData& data) {
+  std::vector<Eigen::Index> samples;
+  for (const auto& record : data.records) samples.push_back(record.outputs.rows());
+  check_periods(data, samples);
+}
+
+void check_periods(const TimeData& head, const std::vector<Eigen::Index>& samples) {
+  require(head.period >= 4,
+          "time data: no period is stated; expected the samples of the periodic excitation (hammer "
+          "data are estimated with H1 or H2)");
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const auto count = samples[i];
+    require(
+        count >= head.period && count % head.period == 0,
+        "time data: record " + fmt::to_string(i + 1) + " has " + fmt::to_string(count) +
+            " samples, " +
+            fmt::format("{:.6g}", static_cast<double>(count) / static_cast<double>(head.period)) +
+            " periods of " + fmt::to_string(head.period) + "; expected a whole number of periods");
+  }
+}
+
+SpectraSource source_of(const Spectra& spectra) {
+  SpectraSource source{.head = without_records(spectra), .records = {}, .period = {}};
+  for (const auto& record : spectra.records) {
+    source.records.push_back({record.experiment, record.realisation, record.outputs.size()});
+  }
+  source.period = [&spectra](std::size_t i, std::size_t p) {
+    const auto& record = spectra.records[i];
+    return PeriodSpectra{&record.outputs[p], &record.inputs[p], &record.references[p], nullptr};
+  };
+  return source;
+}
+
+Spectra lines_between(const TimeData& data, double low_hz, double high_hz) {
   Spectra result{.outputs = data.outputs,
                  .inputs = data.inputs,
                  .references = data.references,
@@ -69,6 +95,13 @@ Spectra spectra(const TimeData& data, double low_hz, double high_hz) {
                                     " and " + fmt::format("{:.6g}", high_hz) +
                                     " Hz; the lines lie " + fmt::format("{:.6g}", step) +
                                     " Hz apart");
+  return result;
+}
+
+Spectra spectra(const TimeData& data, double low_hz, double high_hz) {
+  check(data);
+  check_periods(data);
+  auto result = lines_between(data, low_hz, high_hz);
   for (const auto& record : data.records) {
     result.records.push_back({record.experiment, record.realisation,
                               by_period(record.outputs, data.period, result.line),
@@ -93,13 +126,18 @@ void append(Spectra& all, Spectra more) {
 }
 
 std::vector<Eigen::Index> excited_lines(const Spectra& spectra) {
+  return excited_lines(source_of(spectra));
+}
+
+std::vector<Eigen::Index> excited_lines(const SpectraSource& source) {
+  const auto& spectra = source.head;
   const bool loop = !spectra.references.empty();
   const auto channels =
       static_cast<Eigen::Index>(loop ? spectra.references.size() : spectra.inputs.size());
   Eigen::MatrixXd power = Eigen::MatrixXd::Zero(spectra.line_count(), channels);
-  for (const auto& record : spectra.records) {
-    const auto& periods = loop ? record.references : record.inputs;
-    power = power.cwiseMax(periods.back().cwiseAbs2());
+  for (std::size_t i = 0; i < source.records.size(); ++i) {
+    const auto last = source.period(i, source.records[i].periods - 1);
+    power = power.cwiseMax((loop ? last.references : last.inputs)->cwiseAbs2());
   }
   std::vector<Eigen::Index> places;
   const Eigen::RowVectorXd floor = 1e-6 * power.colwise().maxCoeff();

@@ -10,8 +10,6 @@
 
 namespace chladni::recordings {
 
-enum class Side { outputs, inputs, references };
-
 struct ChannelChoice {
   Side side = Side::outputs;
   Eigen::Index column = 0;
@@ -34,7 +32,7 @@ struct Transfer {
 /// @throws InvalidInput  no period left, fewer experiments in a realisation than `from` channels,
 ///                       `from` channels that one realisation cannot separate or that do not repeat
 ///                       with the period
-[[nodiscard]] Transfer transfer(const Spectra& spectra, const TransferPlan& plan);
+[[nodiscard]] Transfer transfer(const SpectraSource& spectra, const TransferPlan& plan);
 
 /// Maps a deviation of the transfer, t×f at line k, to the deviation of the wanted quantity.
 using Projection = std::function<Eigen::MatrixXcd(std::size_t k, const Eigen::MatrixXcd&)>;
@@ -48,7 +46,7 @@ struct TransferVariances {
   Eigen::Index total_freedom = 0, noise_freedom = 0;  ///< degrees, per complex number
 };
 
-[[nodiscard]] TransferVariances variances(const Spectra& spectra, const TransferPlan& plan,
+[[nodiscard]] TransferVariances variances(const SpectraSource& spectra, const TransferPlan& plan,
                                           const Transfer& mean, const Projection& projection);
 
 }  // namespace chladni::recordings

@@ -21,26 +21,31 @@ struct Powers {
   double values = 0.0;         // complex numbers in each mean
 };
 
-Powers powers(const Spectra& spectra, std::size_t periods) {
-  const auto lines = spectra.line_count();
+Powers powers(const SpectraSource& spectra, std::size_t periods) {
+  const auto lines = spectra.head.line_count();
   const auto size = std::min(Constants::decay_group, lines);
   const auto groups = lines / size;
-  const auto channels = static_cast<Eigen::Index>(spectra.outputs.size());
+  const auto channels = static_cast<Eigen::Index>(spectra.head.outputs.size());
   Powers result{Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(periods) - 1, channels * groups),
                 Eigen::VectorXd::Zero(channels * groups),
                 static_cast<double>(size) * static_cast<double>(spectra.records.size())};
-  for (const auto& record : spectra.records) {
-    for (Eigen::Index c = 0; c < channels; ++c) {
-      for (Eigen::Index g = 0; g < groups; ++g) {
-        const auto part = [&](std::size_t p) {
-          return record.outputs[p].col(c).segment(g * size, size);
-        };
-        for (std::size_t p = 0; p + 1 < periods; ++p) {
-          result.difference(static_cast<Eigen::Index>(p), c * groups + g) +=
-              (part(p + 1) - part(p)).squaredNorm() / result.values;
+  for (std::size_t i = 0; i < spectra.records.size(); ++i) {
+    auto now = spectra.period(i, 0);
+    for (std::size_t p = 0; p < periods; ++p) {
+      const bool is_last = p + 1 == periods;
+      const auto next = is_last ? now : spectra.period(i, p + 1);
+      for (Eigen::Index c = 0; c < channels; ++c) {
+        for (Eigen::Index g = 0; g < groups; ++g) {
+          const auto here = now.outputs->col(c).segment(g * size, size);
+          if (is_last) {
+            result.output(c * groups + g) += here.squaredNorm() / result.values;
+          } else {
+            result.difference(static_cast<Eigen::Index>(p), c * groups + g) +=
+                (next.outputs->col(c).segment(g * size, size) - here).squaredNorm() / result.values;
+          }
         }
-        result.output(c * groups + g) += part(periods - 1).squaredNorm() / result.values;
       }
+      now = next;
     }
   }
   return result;
@@ -180,13 +185,15 @@ std::string told(const TransientReport& report, std::size_t periods) {
 
 }  // namespace
 
-TransientReport transient(const Spectra& spectra) {
+TransientReport transient(const Spectra& spectra) { return transient(source_of(spectra)); }
+
+TransientReport transient(const SpectraSource& spectra) {
   require(!spectra.records.empty(), "transient: no records");
-  std::size_t periods = spectra.records.front().outputs.size();
-  for (const auto& record : spectra.records) periods = std::min(periods, record.outputs.size());
+  std::size_t periods = spectra.records.front().periods;
+  for (const auto& record : spectra.records) periods = std::min(periods, record.periods);
   TransientReport report;
   report.drop = periods >= 2 ? 1 : 0;
-  if (periods >= 3 && spectra.line_count() > 0) {
+  if (periods >= 3 && spectra.head.line_count() > 0) {
     const auto all = powers(spectra, periods);
     const auto decay = likeliest(all);
     report.seen = significant(decay);

@@ -25,6 +25,7 @@ struct TransientReport {
 /// Examines the outputs. With two periods or more at least one is dropped; a decay is only visible
 /// with three or more.
 /// @throws InvalidInput  no records
+[[nodiscard]] TransientReport transient(const SpectraSource& spectra);
 [[nodiscard]] TransientReport transient(const Spectra& spectra);
 
 struct WithoutTransient {

@@ -8,23 +8,37 @@
 #include "base/error.h"
 #include "base/turn.h"
 #include "identification/delay.h"
+#include "io/recordings_file.h"
 #include "recordings/closed_loop.h"
 #include "recordings/frf_estimate.h"
 #include "recordings/hammer.h"
+#include "recordings/recordings.h"
 
 namespace chladni::steps {
 namespace {
 
 using recordings::TimeData;
 
-TimeData recordings_of(const study::Study& study, stage::Work& work) {
+// A fit needs the other half of the memory that a user states.
+io::TimeOptions time_options(const study::Study& study, const stage::Work& work) {
   const auto& plan = *study.measurement;
   io::TimeOptions options;
+  if (const auto stated = work.choices().memory_limit_bytes; stated > 0) {
+    options.limit_bytes = std::min(options.limit_bytes, stated / 2);
+  }
   options.period = plan.recording.period;
   if (plan.recording.sample_rate_hz > 0.0) {
     options.sample_time_s = 1.0 / plan.recording.sample_rate_hz;
   }
-  return read_recordings(study, plan.time, std::move(options), work).data;
+  return options;
+}
+
+// The same with what a study says of its channels.
+io::TimeOptions with_channels(const study::Study& study, io::TimeOptions options) {
+  options.sensor_names = study::names_of(study.sensors);
+  options.actuator_names = study::names_of(study.actuators);
+  if (study.identification) options.unit = study.identification->unit;
+  return options;
 }
 
 void refuse_losses(const study::MeasurementPlan& plan, const recordings::RecordingFaults& faults) {
@@ -65,9 +79,9 @@ double hold_loss(double hz, double sample_time_s) {
 }
 
 // Takes off what the hold of commands does to the responses.
-void take_off_hold(const TimeData& data, RecordedFrfs& result) {
+void take_off_hold(double sample_time_s, RecordedFrfs& result) {
   const auto free = [&](modal::FrfSet& set) {
-    set = identification::without_delay(set, 0.0, data.sample_time_s);
+    set = identification::without_delay(set, 0.0, sample_time_s);
   };
   free(result.set);
   for (auto& fold : result.folds.folds) {
@@ -76,7 +90,7 @@ void take_off_hold(const TimeData& data, RecordedFrfs& result) {
   }
   result.quality->done.push_back(
       fmt::format("the hold of the commands is taken off: half a sample, and {:.2g} % at {:.4g} Hz",
-                  100.0 * hold_loss(result.set.frequency_hz.tail(1)(0), data.sample_time_s),
+                  100.0 * hold_loss(result.set.frequency_hz.tail(1)(0), sample_time_s),
                   result.set.frequency_hz.tail(1)(0)));
 }
 
@@ -108,30 +122,53 @@ recordings::FrfEstimate estimate_of(const TimeData& data,
   return estimate;
 }
 
-void estimate_periods(const study::MeasurementPlan& plan, const TimeData& data, bool with_folds,
-                      std::vector<std::string>& notes, RecordedFrfs& result) {
+// Estimate, silent lines and trends of recordings that are in memory.
+recordings::PeriodicEstimate periodic_estimate(const TimeData& data,
+                                               const recordings::FrfEstimateOptions& options,
+                                               bool with_folds, RecordedFrfs& result) {
+  recordings::PeriodicEstimate found{
+      .estimate = estimate_of(data, options, with_folds, result), .detection = {}, .drift = {}};
+  const auto all = recordings::spectra(data);
+  const auto drop = recordings::first_steady_period(found.estimate);
+  found.detection = recordings::detection_levels(all, drop);
+  found.drift = recordings::period_drift(recordings::excited_part(all, {}), drop);
+  return found;
+}
+
+// @param samples  of the first record
+recordings::FrfEstimateOptions periodic_options(const study::MeasurementPlan& plan,
+                                                Eigen::Index samples, Eigen::Index period) {
   const auto& how = plan.recording;
   require(how.force_window == 0.0 && how.exponential_window == 0.0 && how.hammer == "h1",
           plan.time.string() +
               ": windows and h2 are for blows of a hammer, and these recordings "
               "are periodic; expected neither");
   recordings::FrfEstimateOptions options;
-  options.remove_transient =
-      how.transient == "remove" && data.records.front().outputs.rows() >= 2 * data.period;
-  auto estimate = estimate_of(data, options, with_folds, result);
+  options.remove_transient = how.transient == "remove" && samples >= 2 * period;
+  return options;
+}
+
+void take(const study::MeasurementPlan& plan, double sample_time_s,
+          recordings::PeriodicEstimate found, bool removed, std::vector<std::string>& notes,
+          RecordedFrfs& result) {
+  auto& [estimate, detection, drift] = found;
   notes = std::move(estimate.notes);
   result.set = std::move(estimate.set);
   auto& quality = *result.quality;
-  quality.done.push_back(
-      fmt::format("{} realisations of {} periods, {} dropped{}", estimate.realisations,
-                  estimate.periods + estimate.dropped, estimate.dropped,
-                  options.remove_transient ? "; the transient of the start is taken off" : ""));
-  if (how.inputs == "commands") take_off_hold(data, result);
-  const auto all = recordings::spectra(data);
-  // Trends are looked for where no transient is left: after the first period at least.
-  const auto drop = std::max<Eigen::Index>(estimate.dropped, estimate.transient.seen ? 2 : 1);
-  quality.detection = recordings::detection_levels(all, drop);
-  quality.drift = recordings::period_drift(recordings::excited_part(all, {}), drop);
+  quality.done.push_back(fmt::format("{} realisations of {} periods, {} dropped{}",
+                                     estimate.realisations, estimate.periods + estimate.dropped,
+                                     estimate.dropped,
+                                     removed ? "; the transient of the start is taken off" : ""));
+  if (plan.recording.inputs == "commands") take_off_hold(sample_time_s, result);
+  quality.detection = std::move(detection);
+  quality.drift = std::move(drift);
+}
+
+void estimate_periods(const study::MeasurementPlan& plan, const TimeData& data, bool with_folds,
+                      std::vector<std::string>& notes, RecordedFrfs& result) {
+  const auto options = periodic_options(plan, data.records.front().outputs.rows(), data.period);
+  take(plan, data.sample_time_s, periodic_estimate(data, options, with_folds, result),
+       options.remove_transient, notes, result);
 }
 
 std::string verdict_of(const RecordedFrfs& result) {
@@ -145,46 +182,83 @@ std::string verdict_of(const RecordedFrfs& result) {
 
 io::TimeFile read_recordings(const study::Study& study, const std::filesystem::path& path,
                              io::TimeOptions options, stage::Work& work) {
-  options.sensor_names = study::names_of(study.sensors);
-  options.actuator_names = study::names_of(study.actuators);
-  if (study.identification) options.unit = study.identification->unit;
-  auto file = io::read_time(path, options);
+  auto file = io::read_time(path, with_channels(study, std::move(options)));
   for (const auto& note : file.notes) work.note(path.string() + ": " + note);
   return file;
 }
 
-RecordedFrfs recorded_frfs(const study::Study& study, stage::Work& work, bool with_folds) {
-  const auto& plan = *study.measurement;
-  const auto data = recordings_of(study, work);
-  RecordedFrfs result;
+namespace {
+
+void look_for_faults(const study::MeasurementPlan& plan, recordings::RecordingFaults faults,
+                     stage::Work& work, RecordedFrfs& result) {
   result.quality.emplace();
-  result.quality->faults = recordings::recording_faults(data);
+  result.quality->faults = std::move(faults);
   refuse_losses(plan, result.quality->faults);
   for (const auto& fault : result.quality->faults.clipped) {
     work.warn(plan.time.string() + ": " + fault);
   }
+}
+
+// How good the responses are.
+void judge(const study::MeasurementPlan& plan, const std::vector<std::string>& notes,
+           stage::Work& work, RecordedFrfs& result) {
+  auto& quality = *result.quality;
+  for (const auto& note : notes) work.note(plan.time.string() + ": " + note);
+  for (const auto& input : result.set.inputs) {
+    for (const auto& output : result.set.outputs) {
+      quality.responses.push_back(output.name + "/" + input.name);
+    }
+  }
+  for (const auto& output : result.set.outputs) quality.outputs.push_back(output.name);
+  quality.bands = recordings::band_qualities(result.set);
+  quality.verdict = verdict_of(result);
+  for (const auto& drift : quality.drift) {
+    work.warn(
+        fmt::format("{}: {} changes by {:.2g} % from the first to the last period, {:.0f} "
+                    "deviations more than noise",
+                    plan.time.string(), quality.outputs[static_cast<std::size_t>(drift.output)],
+                    100.0 * drift.relative, drift.excess));
+  }
+}
+
+// The responses of a file that is larger than the memory: period by period.
+RecordedFrfs recorded_in_pieces(const study::Study& study, const io::TimeOptions& options,
+                                bool with_folds, stage::Work& work) {
+  const auto& plan = *study.measurement;
+  const std::string file = plan.time.string();
+  work.note(file + ": it is read in pieces, since as a whole it may not fit the memory");
+  const auto pieces = io::read_in_pieces(plan.time, with_channels(study, options));
+  for (const auto& note : pieces.notes) work.note(file + ": " + note);
+  const auto& data = pieces.data;
+  RecordedFrfs result;
+  look_for_faults(plan, recordings::recording_faults(data), work, result);
+  const auto how = periodic_options(plan, data.records.front().samples, data.head.period);
+  std::vector<std::string> notes;
+  take(plan, data.head.sample_time_s, recordings::periodic_estimate(data, how),
+       how.remove_transient, notes, result);
+  if (with_folds) notes.emplace_back("no part of it is left out in turn: that needs all of it");
+  judge(plan, notes, work, result);
+  return result;
+}
+
+}  // namespace
+
+RecordedFrfs recorded_frfs(const study::Study& study, stage::Work& work, bool with_folds) {
+  const auto& plan = *study.measurement;
+  const auto options = time_options(study, work);
+  if (io::is_read_in_pieces(plan.time, options)) {
+    return recorded_in_pieces(study, options, with_folds, work);
+  }
+  const auto data = read_recordings(study, plan.time, options, work).data;
+  RecordedFrfs result;
+  look_for_faults(plan, recordings::recording_faults(data), work, result);
   std::vector<std::string> notes;
   if (data.period == 0) {
     estimate_blows(plan, data, notes, result);
   } else {
     estimate_periods(plan, data, with_folds, notes, result);
   }
-  for (const auto& note : notes) work.note(plan.time.string() + ": " + note);
-  for (const auto& input : result.set.inputs) {
-    for (const auto& output : result.set.outputs) {
-      result.quality->responses.push_back(output.name + "/" + input.name);
-    }
-  }
-  for (const auto& output : result.set.outputs) result.quality->outputs.push_back(output.name);
-  result.quality->bands = recordings::band_qualities(result.set);
-  result.quality->verdict = verdict_of(result);
-  for (const auto& drift : result.quality->drift) {
-    work.warn(
-        fmt::format("{}: {} changes by {:.2g} % from the first to the last period, {:.0f} "
-                    "deviations more than noise",
-                    plan.time.string(), data.outputs[static_cast<std::size_t>(drift.output)].name,
-                    100.0 * drift.relative, drift.excess));
-  }
+  judge(plan, notes, work, result);
   return result;
 }
 

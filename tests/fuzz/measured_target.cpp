@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "tests/fuzz/measured.h"
+#include "tests/fuzz/pieces.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {

@@ -12,6 +12,7 @@
 
 #include "io/read.h"
 #include "tests/fuzz/measured.h"
+#include "tests/fuzz/pieces.h"
 #include "tests/fuzz/sound.h"
 #include "tests/io/samples.h"
 
@@ -61,6 +62,7 @@ constexpr int kMutants = 20'000;
 constexpr std::ptrdiff_t kMemoryPerByte = 64, kMemoryAtLeast = 1 << 16;
 // Small matrices, one per line of frequency, which may have two bytes.
 constexpr std::ptrdiff_t kMeasuredMemoryPerByte = 256;
+constexpr std::ptrdiff_t kMemoryForPieces = std::ptrdiff_t{3} << 20U;  // a block, and its growth
 constexpr std::chrono::seconds kLongest{5};
 
 // Numbers and words that parsers trip over, as text and as bytes.
@@ -134,11 +136,13 @@ struct Parser {
   const char* name;
   std::function<bool(std::string_view)> gives_sound_result;
   std::ptrdiff_t memory_per_byte = kMemoryPerByte;
+  const char* corpus = name;
+  std::ptrdiff_t memory_at_least = kMemoryAtLeast;
 };
 
 void PrintTo(const Parser& parser, std::ostream* out) { *out << parser.name; }
 
-const std::array<Parser, 11> kParsers{{
+const std::array<Parser, 12> kParsers{{
     {"stl", [](std::string_view bytes) { return is_sound(parse_stl(bytes)); }},
     {"off", [](std::string_view bytes) { return is_sound(parse_off(bytes)); }},
     {"ply", [](std::string_view bytes) { return is_sound(parse_ply(bytes)); }},
@@ -151,6 +155,8 @@ const std::array<Parser, 11> kParsers{{
      kMeasuredMemoryPerByte},
     {"time_csv", [](std::string_view bytes) { return is_sound(read_time_csv(bytes)); },
      kMeasuredMemoryPerByte},
+    {"time_pieces", [](std::string_view bytes) { return is_sound(read_time_pieces(bytes)); },
+     2 * kMeasuredMemoryPerByte, "time_csv", kMemoryForPieces},
     {"time_uff", [](std::string_view bytes) { return is_sound(read_time_uff(bytes)); },
      kMeasuredMemoryPerByte},
     {"shapes_uff", [](std::string_view bytes) { return is_sound(read_shapes_uff(bytes)); },
@@ -161,10 +167,10 @@ class Mutants : public testing::TestWithParam<Parser> {
  protected:
   static std::vector<std::string> seeds() {
     std::vector<std::string> names, bytes;
-    const std::string folder = std::string("tests/fuzz/corpus/") + GetParam().name;
+    const std::string folder = std::string("tests/fuzz/corpus/") + GetParam().corpus;
     for (const auto& entry :
          std::filesystem::directory_iterator(std::string(CHLADNI_SOURCE_DIR) + "/" + folder)) {
-      names.push_back(GetParam().name + ("/" + entry.path().filename().string()));
+      names.push_back(GetParam().corpus + ("/" + entry.path().filename().string()));
     }
     std::sort(names.begin(), names.end());
     for (const std::string& name : names) bytes.push_back(sample(name));
@@ -196,8 +202,9 @@ TEST_P(Mutants, AreReadOrRefused) {
     } catch (const std::exception& error) {
       FAIL() << "mutant " << i << ": " << error.what();
     }
-    ASSERT_LE(bytes_peak - before, kMemoryAtLeast + GetParam().memory_per_byte *
-                                                        static_cast<std::ptrdiff_t>(bytes.size()))
+    ASSERT_LE(bytes_peak - before,
+              GetParam().memory_at_least +
+                  GetParam().memory_per_byte * static_cast<std::ptrdiff_t>(bytes.size()))
         << "mutant " << i << " of " << bytes.size() << " bytes";
     ASSERT_LT(std::chrono::steady_clock::now() - start, kLongest) << "mutant " << i;
   }

@@ -62,6 +62,19 @@ TEST(RecordingFaults, NamesTheChannelThatClips) {
   EXPECT_NE(faults.clipped.front().find("y1 is clipped at"), std::string::npos);
 }
 
+// A range that is not symmetric, or a sensor near its stop, clips at one end.
+TEST(RecordingFaults, NamesTheChannelThatClipsAtOneEnd) {
+  for (const double end : {1.0, -1.0}) {
+    auto data = recorded_on(one_mode());
+    for (auto& record : data.records) {
+      Eigen::MatrixXd turned = end * record.outputs;
+      turned = turned.cwiseMin(0.7 * turned.maxCoeff()).eval();
+      record.outputs = end * turned;
+    }
+    EXPECT_EQ(recording_faults(data).clipped.size(), 1U) << end;
+  }
+}
+
 // Samples that an acquisition lost: all that follows comes early.
 TEST(RecordingFaults, CountsTheSamplesThatWereLost) {
   for (const Eigen::Index lost : {1, 7}) {

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <cmath>
 #include <cstring>
@@ -13,6 +12,7 @@
 #include "io/measured/channel_names.h"
 #include "io/time_file.h"
 #include "tests/io/measured/frf_samples.h"
+#include "tests/io/measured/gzipped.h"
 #include "tests/refusal.h"
 
 namespace chladni::io {
@@ -263,24 +263,9 @@ TEST(FrfCsv, TextInUtf16IsCalledSo) {
   }
 }
 
-std::string zipped(const std::string& bytes) {
-  std::string result(bytes.size() + 100, '\0');
-  z_stream stream{};
-  deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
-  std::string copy = bytes;
-  stream.next_in = reinterpret_cast<Bytef*>(copy.data());
-  stream.avail_in = static_cast<uInt>(copy.size());
-  stream.next_out = reinterpret_cast<Bytef*>(result.data());
-  stream.avail_out = static_cast<uInt>(result.size());
-  deflate(&stream, Z_FINISH);
-  result.resize(stream.total_out);
-  deflateEnd(&stream);
-  return result;
-}
-
 TEST(FrfCsv, IsReadCompressedToo) {
   const auto set = random_set(2, 2, 500, 3);
-  const auto whole = zipped(frf_csv(set));
+  const auto whole = gzipped(frf_csv(set));
   const TemporaryFile file("frf_csv_test.csv.gz");
   const auto put = [&](const std::string& bytes) {
     std::ofstream(file.path, std::ios::binary).write(bytes.data(), static_cast<long>(bytes.size()));
@@ -293,7 +278,7 @@ TEST(FrfCsv, IsReadCompressedToo) {
   bent[bent.size() / 2] = static_cast<char>(~bent[bent.size() / 2]);
   put(bent);
   EXPECT_THROW((void)read_frf(file.path), InvalidInput);
-  put(zipped(std::string(1U << 22U, '\n')));
+  put(gzipped(std::string(1U << 22U, '\n')));
   FrfOptions options;
   options.limit_bytes = 1U << 20U;
   EXPECT_THROW((void)read_frf(file.path, options), InvalidInput);

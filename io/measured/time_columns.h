@@ -1,0 +1,80 @@
+// The columns of a table of recordings, and what its rows say of time and periods.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "io/bytes/csv_table.h"
+#include "io/time_file.h"
+
+namespace chladni::io {
+
+/// Columns of a table; −1: there is none.
+struct RecordLayout {
+  Eigen::Index time = -1, experiment = -1, realisation = -1, period = -1;
+  std::array<std::vector<Eigen::Index>, 3> columns;  ///< of channels, by Side
+};
+
+/// The special column with this name; null: the column belongs to a channel.
+[[nodiscard]] Eigen::Index* special_column(const std::string& name, RecordLayout& layout);
+
+/// The columns of a table by their names. The channels and a note of them go to `file`.
+/// @throws InvalidInput  two columns of one thing, none of a channel
+[[nodiscard]] RecordLayout layout_of(const CsvTable& table, const TimeOptions& options,
+                                     TimeFile& file);
+
+/// Rows [first, end) of one recording.
+struct Stretch {
+  Eigen::Index first = 0, end = 0;
+  int experiment = 0, realisation = 0;
+};
+
+/// @throws InvalidInput  an experiment or realisation that is no whole number
+[[nodiscard]] std::vector<Stretch> stretches_of(const CsvTable& table, const RecordLayout& layout);
+
+/// The time step of a recording, of a table with a column of the time. @throws InvalidInput  one
+/// sample, a time that is empty or does not ascend
+[[nodiscard]] double step_of(const CsvTable& table, const RecordLayout& layout,
+                             const Stretch& stretch);
+/// The mean step of some samples in order; the first one where they agree. Not above 0: the time
+/// does not ascend.
+[[nodiscard]] double step_of(double first, double second, double last, Eigen::Index steps);
+/// Whether the time of a sample is that of a step.
+[[nodiscard]] bool is_on_step(double time, double expected, double step);
+/// @throws InvalidInput  a row where the time is not that of this step: samples that are missing,
+///                       or another sample rate
+void check_steps(const CsvTable& table, const RecordLayout& layout, const Stretch& stretch,
+                 double step);
+/// @throws InvalidInput  a time that is empty or no number
+void check_times(const CsvTable& table, const RecordLayout& layout);
+
+/// The whole number in a cell, 0 where there is no such column. @throws InvalidInput  none
+[[nodiscard]] int whole_number(const CsvTable& table, Eigen::Index row, Eigen::Index column);
+
+/// The lengths of runs of equal numbers in the column `period`, which must be one.
+class PeriodRuns {
+ public:
+  /// Looks at the next rows of a recording.
+  /// @throws InvalidInput  a run of another length, a cell that is no whole number
+  void add(const CsvTable& table, Eigen::Index first, Eigen::Index end, Eigen::Index column);
+  /// The recording ends. @throws InvalidInput  a run of another length
+  void end();
+  [[nodiscard]] Eigen::Index length() const { return length_; }  ///< 0: no rows
+
+ private:
+  std::string file_;
+  Eigen::Index length_ = 0, run_ = 0;
+  int number_ = 0, line_ = 0;  ///< of the run
+};
+
+/// @throws InvalidInput  a sample is empty
+[[nodiscard]] recordings::Record record_of(const CsvTable& table, const RecordLayout& layout,
+                                           const Stretch& stretch);
+
+/// States the units of the outputs, and notes where they are not known.
+/// @return the factor on the outputs' values
+double state_units(TimeFile& file, const TimeOptions& options);
+
+}  // namespace chladni::io
