@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <future>
+#include <semaphore>
 #include <vector>
 
 namespace chladni::io {
@@ -12,7 +13,7 @@ namespace chladni::io {
 /// Gives the bytes of a PNG.
 using Picture = std::function<std::string()>;
 
-/// Paints pictures one after the other while the program goes on. The destructor waits for them.
+/// Paints pictures while the program goes on, two at a time. The destructor waits for them.
 class PaintQueue {
  public:
   struct Painted {
@@ -25,10 +26,16 @@ class PaintQueue {
   [[nodiscard]] std::vector<Painted> finish();
 
  private:
+  // Half of a painter's time is the start of its display, which does not fill a core.
+  static constexpr int kAtOnce = 2;
+  using Places = std::counting_semaphore<kAtOnce>;
+  struct Place;
+
   struct Job {
     std::filesystem::path png;
-    std::shared_future<void> done;
+    std::future<void> done;
   };
+  Places places_{kAtOnce};
   std::vector<Job> jobs_;
 };
 

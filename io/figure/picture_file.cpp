@@ -7,19 +7,27 @@
 
 namespace chladni::io {
 
+struct PaintQueue::Place {
+  explicit Place(Places& places) : places_(places) { places_.acquire(); }
+  ~Place() { places_.release(); }
+  Place(const Place&) = delete;
+  Place& operator=(const Place&) = delete;
+
+ private:
+  Places& places_;
+};
+
 void PaintQueue::add(std::filesystem::path png, Picture picture) {
-  std::shared_future<void> before;
-  if (!jobs_.empty()) before = jobs_.back().done;
-  auto done = std::async(std::launch::async, [before, png, picture = std::move(picture)] {
-    if (before.valid()) before.wait();
+  auto done = std::async(std::launch::async, [this, png, picture = std::move(picture)] {
+    const Place place(places_);
     write_atomically(png, picture());
   });
-  jobs_.push_back({std::move(png), done.share()});
+  jobs_.push_back({std::move(png), std::move(done)});
 }
 
 std::vector<PaintQueue::Painted> PaintQueue::finish() {
   std::vector<Painted> all;
-  for (const auto& job : std::exchange(jobs_, {})) {
+  for (auto& job : std::exchange(jobs_, {})) {
     Painted painted{job.png, nullptr};
     try {
       job.done.get();

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <latch>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -51,19 +52,39 @@ TEST(PictureFile, WaitsForNoPainterWithAQueue) {
   EXPECT_TRUE(queue.finish().empty());  // each is told once
 }
 
-TEST(PictureFile, PicturesAreInTheirOrderAndNoFailureEndsTheQueue) {
+// Two that wait for each other, and never more than two.
+TEST(PictureFile, TwoArePaintedAtOnce) {
   PaintQueue queue;
-  std::string order;
+  std::latch both(2);
+  std::atomic<int> at_work = 0;
+  std::atomic<int> most = 0;
+  for (const char* name : {"1", "2", "3", "4", "5"}) {
+    PictureFile(png_of(name), &queue).paint([&, name]() -> std::string {
+      const int now = ++at_work;
+      for (int seen = most; seen < now && !most.compare_exchange_weak(seen, now);) {
+      }
+      if (*name == '1' || *name == '2') both.arrive_and_wait();
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      --at_work;
+      return name;
+    });
+  }
+  EXPECT_EQ(queue.finish().size(), 5U);
+  EXPECT_EQ(most, 2);
+}
+
+TEST(PictureFile, PicturesAreToldInTheirOrderAndNoFailureEndsTheQueue) {
+  PaintQueue queue;
   for (const char* name : {"a", "b", "c"}) {
-    PictureFile(png_of(name), &queue).paint([&order, name]() -> std::string {
-      order += name;  // one after the other: no lock
+    PictureFile(png_of(name), &queue).paint([name]() -> std::string {
+      if (*name == 'a') std::this_thread::sleep_for(std::chrono::milliseconds(10));
       if (*name == 'b') throw std::runtime_error("no paint");
       return name;
     });
   }
   const auto all = queue.finish();
-  EXPECT_EQ(order, "abc");
   ASSERT_EQ(all.size(), 3U);
+  EXPECT_EQ(all[0].png.filename(), "a");
   EXPECT_FALSE(all[0].failure);
   EXPECT_THROW(std::rethrow_exception(all[1].failure), std::runtime_error);
   EXPECT_FALSE(std::filesystem::exists(all[1].png));
