@@ -35,6 +35,7 @@ sweep::SweepOptions options_of(const SweepCommand& command) {
           .allowed = command.allowed,
           .threads = command.threads,
           .cache = command.cache,
+          .reproducible = command.reproducible,
           .passing = {kOutOfResources, kWorkerDied, kInterrupted}};
 }
 
@@ -93,6 +94,11 @@ void leave_scripts(const SweepCommand& command, const sweep::Sweep& sweep, std::
 
 struct Tally {
   std::atomic<long long> ended = 0, failed = 0, passing = 0, elsewhere = 0;
+
+  [[nodiscard]] int exit_code() const {
+    if (failed > 0) return kNumericalFailure;
+    return passing > 0 ? kOutOfResources : kDone;
+  }
 };
 
 // Runs the variants, several at a time; each is a process of its own.
@@ -151,14 +157,13 @@ int sweep(const SweepCommand& command, std::ostream& results, std::ostream& said
   }
   Tally tally;
   run_all(command, sweep, list, tally, said, progress);
-  const bool well = tally.failed == 0 && tally.passing == 0;
-  if (!command.run.empty()) return well ? 0 : kNumericalFailure;
+  if (!command.run.empty()) return tally.exit_code();
   if (tally.elsewhere > 0) {
     said << fmt::format("{} variants are run by another sweep; gather again when it has ended\n",
                         tally.elsewhere.load());
   }
   leave_gathered(command, sweep, results);
-  return well ? 0 : kNumericalFailure;
+  return tally.exit_code();
 }
 
 int gather(const SweepCommand& command, std::ostream& results) {

@@ -18,9 +18,11 @@ struct SweepCommand {
   int threads = 1, jobs = 0;  ///< of a variant; variants at a time, 0: cores / threads
   std::string run;            ///< "3" or "3/10": these variants alone
   bool list = false, scripts = false, retry = false, json = false, pictures = true, cache = true;
+  bool reproducible = false;  ///< no wall times in the results
 };
 
-/// Runs the variants that have not run, then gathers. Returns the exit code: 4 where one failed.
+/// Runs the variants that have not run, then gathers. Returns the exit code: 4 where one failed, 5
+/// where none did but one could not run now.
 /// @param said  progress and warnings
 [[nodiscard]] int sweep(const SweepCommand& command, std::ostream& results, std::ostream& said,
                         const Progress& progress);

@@ -252,15 +252,15 @@ io::Json json(const Sweep& sweep, const Gathered& gathered) {
     for (std::size_t r = 0; r < plan.results.size(); ++r) {
       results.emplace_back(plan.results[r].name, row.results(static_cast<Eigen::Index>(r)));
     }
-    variants.emplace_back(io::JsonObject{
-        {"variant", row.entry.index + 1},
-        {"state", state(row.entry.record)},
-        {"axes", axes},
-        {"results", results},
-        {"on_front", row.on_front},
-        {"folder", "variants/" + row.entry.hash},
-        {"error", row.entry.record ? io::Json(row.entry.record->error) : io::Json()},
-        {"seconds", row.entry.record ? io::Json(row.entry.record->seconds) : io::Json()}});
+    variants.emplace_back(
+        io::JsonObject{{"variant", row.entry.index + 1},
+                       {"state", state(row.entry.record)},
+                       {"axes", axes},
+                       {"results", results},
+                       {"on_front", row.on_front},
+                       {"folder", "variants/" + row.entry.hash},
+                       {"error", row.entry.record ? io::Json(row.entry.record->error) : io::Json()},
+                       {"seconds", json_of_seconds(row.entry.record)}});
   }
   return io::JsonObject{
       {"chladni", show::version()},     {"title", plan.title},       {"verb", plan.verb},

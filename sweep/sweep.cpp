@@ -5,6 +5,7 @@
 #include <chrono>
 #include <system_error>
 #include <utility>
+#include <variant>
 
 #include "base/error.h"
 #include "base/sha256.h"
@@ -40,8 +41,10 @@ std::optional<Record> record_in(const fs::path& folder) {
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return std::nullopt;
   const auto json = io::parse_json(read_whole(file, kLargestRecord));
-  return Record{static_cast<int>(json.at("exit").number()), json.at("error").string(),
-                json.at("seconds").number()};
+  Record record{static_cast<int>(json.at("exit").number()), json.at("error").string(), {}};
+  const auto& seconds = json.at("seconds");
+  if (!std::holds_alternative<std::monostate>(seconds.value())) record.seconds = seconds.number();
+  return record;
 }
 
 std::string last_line(const std::string& text) {
@@ -73,6 +76,10 @@ std::string seen_from(const fs::path& folder, const fs::path& base) {
 const char* state(const std::optional<Record>& record) {
   if (!record) return "open";
   return record->exit == 0 ? "done" : "failed";
+}
+
+io::Json json_of_seconds(const std::optional<Record>& record) {
+  return record && record->seconds ? io::Json(*record->seconds) : io::Json();
 }
 
 Sweep::Sweep(study::SweepPlan plan, SweepOptions options)
@@ -112,6 +119,7 @@ std::vector<std::string> Sweep::arguments(const fs::path& folder) const {
     words.push_back(fs::absolute(other).lexically_normal().string());
   };
   if (!options_.cache) words.emplace_back("--no-cache");
+  if (options_.reproducible) words.emplace_back("--reproducible");
   if (plan_.verb != "study") words.emplace_back("--no-pictures");  // its report has them
   allow(fs::absolute(plan_.base).parent_path());
   for (const auto& other : options_.allowed) allow(other);
@@ -135,7 +143,8 @@ std::optional<Record> Sweep::called(const Entry& entry, const fs::path& part,
     why = e.what();
     return std::nullopt;
   }
-  record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  if (!options_.reproducible) record.seconds = took.count();
   if (!options_.passing.contains(record.exit)) return record;
   why = record.error;
   return std::nullopt;
@@ -168,10 +177,13 @@ io::Json Sweep::json_of(const Entry& entry, const Record& record) const {
   for (std::size_t a = 0; a < plan_.axes.size(); ++a) {
     axes.emplace_back(plan_.axes[a].name, entry.labels[a]);
   }
-  return io::JsonObject{{"chladni", show::version()}, {"hash", entry.hash},
-                        {"verb", plan_.verb},         {"axes", axes},
-                        {"exit", record.exit},        {"error", record.error},
-                        {"seconds", record.seconds}};
+  return io::JsonObject{{"chladni", show::version()},
+                        {"hash", entry.hash},
+                        {"verb", plan_.verb},
+                        {"axes", axes},
+                        {"exit", record.exit},
+                        {"error", record.error},
+                        {"seconds", json_of_seconds(record)}};
 }
 
 }  // namespace chladni::sweep

@@ -22,18 +22,22 @@ struct SweepOptions {
   std::vector<std::filesystem::path> allowed;  ///< --allow-outside of the variants
   int threads = 1;                             ///< of each variant
   bool cache = true;                           ///< variants take what earlier runs have solved
+  bool reproducible = false;                   ///< no wall times are left
   std::set<int> passing;  ///< exit codes that say nothing of the variant: no memory, Ctrl-C
 };
 
 /// What is left of a variant that has run: its file variant.json.
 struct Record {
-  int exit = 0;       ///< exit code of the verb
-  std::string error;  ///< last line that it said, where the code is not 0
-  double seconds = 0.0;
+  int exit = 0;                   ///< exit code of the verb
+  std::string error;              ///< last line that it said, where the code is not 0
+  std::optional<double> seconds;  ///< none: of a reproducible run
 };
 
 /// "open", "done" or "failed".
 [[nodiscard]] const char* state(const std::optional<Record>& record);
+
+/// Its wall time; null where there is none.
+[[nodiscard]] io::Json json_of_seconds(const std::optional<Record>& record);
 
 /// One variant, and where it stands.
 struct Entry {

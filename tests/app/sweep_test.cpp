@@ -1,6 +1,10 @@
 // chladni sweep and gather as processes.
+#include <sys/resource.h>
+
 #include <chrono>
 #include <csignal>
+#include <cstdint>
+#include <map>
 #include <thread>
 
 #include "io/json.h"
@@ -11,13 +15,13 @@ namespace {
 
 class SweepVerbs : public CommandLine {
  protected:
-  // A plan over thicknesses of the small plate.
-  fs::path plan(const std::string& values) const {
+  // A plan over a length of the small plate.
+  fs::path plan(const std::string& values, const std::string& length = "thickness") const {
     write("base.toml", app::kPlate);  // not that of a neighbour
     return write("plan.toml",
                  "title = \"plates\"\nbase = \"base.toml\"\n[[axis]]\n"
-                 "key = \"geometry.plate.thickness\"\nvalues = [" +
-                     values +
+                 "key = \"geometry.plate." +
+                     length + "\"\nvalues = [" + values +
                      "]\n[[result]]\nname = \"first\"\nfile = \"modes.json\"\n"
                      "at = \"frequency_hz.6\"\nbetter = \"more\"\n");
   }
@@ -52,6 +56,24 @@ TEST_F(SweepVerbs, SolveEachVariantOnceAndGather) {
   EXPECT_EQ(io::parse_json(gathered.out).at("done").number(), 3.0);
 }
 
+TEST_F(SweepVerbs, ReproducibleOnesLeaveTheSameBytes) {
+  const auto file = plan("\"4 mm\", \"5 mm\"").string();
+  const auto left = [&](const std::string& threads) {
+    fs::remove_all(folder_ / "out");
+    (void)run({"sweep", file, "-o", "out", "--reproducible", "--no-cache", "--jobs", threads});
+    std::map<std::string, std::string> files;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_ / "out")) {
+      if (!entry.is_regular_file()) continue;
+      files[entry.path().lexically_relative(folder_ / "out")] = whole(entry.path());
+    }
+    return files;
+  };
+  const auto once = left("1");
+  EXPECT_TRUE(once.contains("table.csv"));
+  EXPECT_TRUE(once.contains("sweep.png"));
+  EXPECT_EQ(left("2"), once);
+}
+
 TEST_F(SweepVerbs, OneVariantOrEveryOther) {
   const auto file = plan("\"4 mm\", \"5 mm\", \"6 mm\"").string();
   EXPECT_EQ(run({"sweep", file, "-o", "out", "--run", "1/2"}).status, 0);
@@ -75,6 +97,30 @@ TEST_F(SweepVerbs, AVariantThatFailsIsToldAndTheOthersGoOn) {
   EXPECT_TRUE(says(swept.out, "1 done, 1 failed, 0 open"));
   EXPECT_TRUE(says(swept.err, "variant 2: "));
   EXPECT_TRUE(says(swept.out, "s1")) << swept.out;
+}
+
+// No room for the files of the longer plate. It is no fault of the variant, which runs next time.
+TEST_F(SweepVerbs, AFullDiskLeavesTheOthersAndIsTriedAgain) {
+  const auto file = plan("\"100 mm\", \"300 mm\"", "length").string();
+  ASSERT_EQ(run({"sweep", file, "-o", "out", "--run", "1", "--no-pictures"}).status, 0);
+  std::uintmax_t largest = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "out")) {
+    if (entry.is_regular_file()) largest = std::max(largest, entry.file_size());
+  }
+  const auto no_room = [&] {
+    const rlimit limit{largest + 1024, largest + 1024};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  };
+  const auto full = ended(started({"sweep", file, "-o", "out", "--no-pictures"}, "", no_room));
+  EXPECT_EQ(full.status, 5) << full.err;
+  EXPECT_TRUE(says(full.err, "variant 2: ")) << full.err;
+  EXPECT_TRUE(says(full.err, "it is tried again next time"));
+  const auto list = run({"sweep", file, "-o", "out", "--list"}).out;
+  EXPECT_TRUE(says(list, "done   100 mm"));
+  EXPECT_TRUE(says(list, "open   300 mm"));
+  const auto later = run({"sweep", file, "-o", "out", "--no-pictures"});
+  EXPECT_EQ(later.status, 0) << later.err;
+  EXPECT_TRUE(says(later.out, "2 done, 0 failed, 0 open"));
 }
 
 TEST_F(SweepVerbs, AWrongPlanIsToldBeforeAnythingRuns) {

@@ -148,11 +148,18 @@ def wait_for_end(job, seconds=300):
     raise SystemExit("the job array does not end: " + said("squeue"))
 
 
+def text_of(file):
+    """Its text; none of a variant that ended meanwhile and has its own folder now."""
+    try:
+        return file.read_text()
+    except FileNotFoundError:
+        return ""
+
+
 def kill_one(job, variants):
     """Kills the task of the slow variant once it is being solved."""
     for _ in range(1500):
-        parts = [p for p in variants.glob("*.part/study.toml") if f"plate p{KILLED}\"" in p.read_text()]
-        if parts:
+        if any(f"plate p{KILLED}\"" in text_of(p) for p in variants.glob("*.part/study.toml")):
             said("scancel", "--signal=KILL", "--full", f"{job}_{KILLED}")
             return
         time.sleep(0.02)
