@@ -13,6 +13,7 @@
 
 #include "app/command.h"
 #include "app/exit_code.h"
+#include "app/option_values.h"
 #include "app/sweep.h"
 #include "app/watch.h"
 #include "base/error.h"
@@ -150,15 +151,6 @@ int run(const app::Command& command, const std::filesystem::path& file, show::Op
   return guarded(talk, work, style);
 }
 
-// Files that a run may write itself: its results, and the responses that `simulate` makes.
-bool is_written(const app::Command& command, const std::filesystem::path& folder,
-                const std::filesystem::path& file) {
-  const auto from = std::filesystem::absolute(file).lexically_normal().lexically_relative(
-      std::filesystem::absolute(folder).lexically_normal());
-  const bool in_folder = !from.empty() && *from.begin() != "..";
-  return in_folder || (command.name == "simulate" && file.extension() != ".toml");
-}
-
 // As `run`, with --watch again and again.
 int run_or_watch(const app::Command& command, const std::filesystem::path& file,
                  const show::Options& options) {
@@ -180,7 +172,8 @@ int run_or_watch(const app::Command& command, const std::filesystem::path& file,
             std::cout.clear();  // of an earlier run
             return run(command, file, options);
           },
-      .own = [&](const std::filesystem::path& one) { return is_written(command, folder, one); },
+      .own =
+          [&](const std::filesystem::path& one) { return app::is_written(command, folder, one); },
       .note = [&](const std::string& line) { talk.note(line); }};
   return guarded(talk, [&] { return app::run_at_each_change(watch); });
 }
@@ -218,15 +211,15 @@ void add_options(CLI::App& verb, const app::Command& command, std::filesystem::p
   verb.add_option("--engine", options.engine,
                   "what starts the ranks that find the modes: \"mpiexec -n 4\"");
   verb.add_option("--memory-limit", options.memory_limit_gb,
-                  "[GB] of a solution in this process [what is free]")
-      ->check(CLI::PositiveNumber);
+                  "[GB] of a solution in this process, and of recordings [what is free]")
+      ->transform(CLI::Validator(app::in_gigabytes, ""));
   verb.add_flag("!--no-certificate", options.certificate, "do not count the modes by inertia");
   if (command.name == "check") {
     verb.add_flag("--expect", options.expect, "compute, and compare with what the study expects");
     verb.add_option("--unit", options.unit,
                     "of measured responses that do not state it: m, m/s^2, g, um/V");
     verb.add_option("--sample-time", options.sample_time_s, "[s] of recordings without a time")
-        ->check(CLI::PositiveNumber);
+        ->transform(CLI::Validator(app::in_seconds, ""));
     return;
   }
   if (command.name == "identify" || command.name == "interpolate" || command.name == "study") {
@@ -234,7 +227,7 @@ void add_options(CLI::App& verb, const app::Command& command, std::filesystem::p
                   "Ctrl-C stops a fit, and its best so far is written");
   }
   verb.add_option("--animate", options.animate, "mode whose motion is left as modes.pvd")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 1'000'000));
 }
 
 struct OtherVerbs {
@@ -295,6 +288,7 @@ void add_sweep_verbs(CLI::App& cli, app::SweepCommand& sweep, show::Talk& talk, 
     verb->add_flag("!--no-pictures", sweep.pictures, "paint nothing");
   }
   run->add_flag("!--no-cache", sweep.cache, "each variant meshes and solves anew");
+  run->add_flag("--reproducible", sweep.reproducible, "no wall times in the results");
   run->add_flag("--list", sweep.list, "the variants and whether they are done; runs none");
   run->add_option("--run", sweep.run, "one variant, 3, or every tenth from the third on, 3/10");
   run->add_flag("--scripts", sweep.scripts, "a SLURM job array and a Makefile; runs none");

@@ -92,6 +92,13 @@ void WatchedFiles::accept(const std::function<bool(const fs::path&)>& own) {
   }
 }
 
+bool is_written(const Command& command, const fs::path& folder, const fs::path& file) {
+  const auto from = fs::absolute(file).lexically_normal().lexically_relative(
+      fs::absolute(folder).lexically_normal());
+  const bool in_folder = !from.empty() && *from.begin() != "..";
+  return in_folder || (command.name == "simulate" && file.extension() != ".toml");
+}
+
 int run_at_each_change(const Watch& watch) {
   for (;;) {
     WatchedFiles files(watch.files());  // as they are before the run: a change may overtake it

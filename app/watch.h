@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "app/command.h"
+
 namespace chladni::app {
 
 /// Files as they were at one moment, there or not. They are looked at ten times a second, which
@@ -38,6 +40,11 @@ class WatchedFiles {
   std::vector<std::filesystem::path> files_;
   std::vector<State> before_;  // per file
 };
+
+/// Whether a run of this verb may write the file itself: its results in `folder`, and the responses
+/// that `simulate` makes.
+[[nodiscard]] bool is_written(const Command& command, const std::filesystem::path& folder,
+                              const std::filesystem::path& file);
 
 /// What is watched, and how the verb is run.
 struct Watch {

@@ -275,5 +275,25 @@ TEST_F(BadInput, AWorkerThatDiesIsSix) {
   EXPECT_TRUE(left("out").empty());
 }
 
+// A size that is too small is refused with what the body needs: it was understood.
+TEST_F(CommandLine, NumbersOfOptionsMayHaveAUnit) {
+  const auto study = write("plate.toml", R"(title = "plate"
+geometry = { plate = { length = "600 mm", width = "600 mm", thickness = "20 mm" } }
+material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 kg/m^3" }
+)");
+  for (const auto* size : {"0.001", "1 MB", "1MB", "0.000001 TB", "0.001 GB"}) {
+    const auto refused = run({"modes", study.string(), "-o", "out", "--memory-limit", size});
+    EXPECT_EQ(refused.status, 5) << size << refused.err;
+  }
+  for (const auto* size : {"0", "-8 GB", "8 kg", "nan", "inf", "", "8 GB 2"}) {
+    const auto wrong = run({"modes", study.string(), "--memory-limit", size});
+    EXPECT_EQ(wrong.status, 2) << size;
+    EXPECT_TRUE(says(wrong.err, "expected a size such as 8, \"8 GB\" or \"500 MB\"")) << wrong.err;
+  }
+  EXPECT_TRUE(
+      says(run({"check", "rig.csv", "--sample-time", "1 kg"}).err, "expected a time such as"));
+  EXPECT_TRUE(says(run({"modes", study.string(), "--animate", "0"}).err, "1 to 1000000"));
+}
+
 }  // namespace
 }  // namespace chladni::app

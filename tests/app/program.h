@@ -14,16 +14,11 @@
 #include <string>
 #include <vector>
 
+#include "tests/sanitizer.h"
+
 namespace chladni::app {
 
 namespace fs = std::filesystem;
-
-// A sanitizer's shadow takes terabytes of addresses: with a limit the program would not start.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr bool kAddressesMayBeLimited = false;
-#else
-inline constexpr bool kAddressesMayBeLimited = true;
-#endif
 
 struct Ended {
   int status = -1;

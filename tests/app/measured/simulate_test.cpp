@@ -114,6 +114,24 @@ TEST_F(Simulate, HoldsAFreeBodyAndFindsItsMass) {
   }
 }
 
+// Such data have no answer: the model that is compared with them has modes that they lack.
+TEST_F(Simulate, SaysWhereTheBandGoesBeyondTheModel) {
+  const auto notes_of = [&](const std::string& rate, const std::string& high) {
+    const auto out = run(
+        kPlate + plate_channels() + "[experiment]\nsample_rate = \"" + rate +
+        "\"\nsamples = 2048\nwarm_up = 3\nperiods = 1\nrealisations = 1\nband = [\"20 Hz\", \"" +
+        high +
+        "\"]\ncontrolled = [\"actuator1\", \"actuator2\", \"actuator3\"]\n"
+        "bandwidth = \"8 Hz\"\n");
+    const auto json = io::parse_json(read_whole(out / "simulated.json"));
+    std::string all;
+    for (const auto& note : json.at("notes").array()) all += note.string() + "\n";
+    return all;
+  };
+  EXPECT_NE(notes_of("16 kHz", "6 kHz").find("the responses lack the modes"), std::string::npos);
+  EXPECT_EQ(notes_of("1024 Hz", "40 Hz").find("the responses lack the modes"), std::string::npos);
+}
+
 TEST_F(Simulate, TheSameSeedLeavesTheSameBytes) {
   const std::string text = kStrip + "[experiment]\n" + kShort +
                            "structure = \"rigid_chain\"\nperiods = 3\nrealisations = 2\n"
