@@ -184,7 +184,8 @@ io::Curves curves_of(const io::Plot& plot, const std::string& name, const std::s
   for (const auto& panel : plot.panels) {
     for (const auto& one : panel.series) {
       if (const auto known = find(one.name); known != all.end()) {
-        require(curves.x[known->x] == one.x,
+        const auto& x = curves.x[known->x];
+        require(x.size() == one.x.size() && x == one.x,
                 "curves of a plot: \"" + one.name + "\" has two grids");
         continue;
       }
