@@ -1,14 +1,13 @@
-// The plate of modes_bench, BRICKS each way, for the peers: plate.inp for CalculiX, K.petsc and
-// M.petsc (both triangles, PETSc's binary format) for SLEPc and SciPy. export_plate BRICKS FOLDER
+// A body of plate_modes for the peers: plate.inp for CalculiX, K.petsc and M.petsc (both triangles,
+// PETSc's binary format) for SLEPc and SciPy. export_plate BRICKS FOLDER [plate|cube|meshed]
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <string>
 
 #include "base/error.h"
-#include "fem/assemble.h"
+#include "bench/fem/bench_body.h"
 #include "io/matrix.h"
-#include "mesh/bodies.h"
 
 namespace chladni::bench {
 namespace {
@@ -36,11 +35,10 @@ void write_calculix(const std::filesystem::path& file, const mesh::TetMesh& body
   require(std::fclose(out) == 0, "cannot write " + file.string());
 }
 
-void write_plate(int bricks, const std::filesystem::path& folder) {
+void write_body(const BenchBody& which, const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
-  const auto body =
-      mesh::with_order(mesh::layered(mesh::Plate{0.6, 0.6, 0.02}, 0.6 / bricks, 2), 2);
-  const auto system = fem::assemble(body, {fem::isotropic(70e9, 0.33, 2700.0)});
+  const auto body = mesh_of(which);
+  const auto system = system_of(body);
   io::write_petsc(folder / "K.petsc", system.stiffness, io::PetscIndex::narrow);
   io::write_petsc(folder / "M.petsc", system.mass, io::PetscIndex::narrow);
   write_calculix(folder / "plate.inp", body, 26);
@@ -51,12 +49,12 @@ void write_plate(int bricks, const std::filesystem::path& folder) {
 }  // namespace chladni::bench
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::cerr << "export_plate BRICKS FOLDER\n";
+  if (argc != 3 && argc != 4) {
+    std::cerr << "export_plate BRICKS FOLDER [plate|cube|meshed]\n";
     return 2;
   }
   try {
-    chladni::bench::write_plate(std::stoi(argv[1]), argv[2]);
+    chladni::bench::write_body({argc == 4 ? argv[3] : "plate", std::stoi(argv[1])}, argv[2]);
   } catch (const std::exception& e) {
     std::cerr << e.what() << '\n';
     return 1;
