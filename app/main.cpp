@@ -7,7 +7,6 @@
 #include <functional>
 #include <iostream>
 #include <new>
-#include <sstream>
 #include <string_view>
 #include <system_error>
 
@@ -18,6 +17,7 @@
 #include "app/watch.h"
 #include "base/error.h"
 #include "base/interrupt.h"
+#include "base/text_stream.h"
 #include "dense/blas.h"
 #include "host/parallel.h"
 #include "io/frf_file.h"
@@ -50,7 +50,7 @@ constexpr const app::Command* kCommands[] = {
 struct ErrorStyle {
   bool excerpts = true;  ///< with the line of the file that it names
   bool json = false;     ///< on the standard output too, in one object with the result
-  const std::ostringstream* result = nullptr;  ///< JSON that the verb had left before
+  const chladni::TextWriter* result = nullptr;  ///< JSON that the verb had left before
 };
 
 /// Whether the machine fails, and not the path.
@@ -127,7 +127,7 @@ int run(const app::Command& command, const std::filesystem::path& file, show::Op
   auto manner = show::manner_of_stderr(options.quiet);
   manner.all = options.all;
   show::Talk talk(std::cerr, manner);
-  std::ostringstream json;  // printed once it is known whether the verb ends well
+  chladni::TextWriter json;  // printed once it is known whether the verb ends well
   const ErrorStyle style{.excerpts = !options.quiet, .json = options.json, .result = &json};
   const auto work = [&]() -> int {
     if (command.name == "check" && chladni::io::is_measured_file(file)) {

@@ -7,10 +7,10 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <sstream>
 #include <system_error>
 
 #include "base/error.h"
+#include "base/text_stream.h"
 #include "base/turn.h"
 #include "cluster/reply.h"
 #include "fem/given_modes.h"
@@ -61,7 +61,7 @@ struct Launch {
 };
 
 Launch launch_of(const std::string& launcher) {
-  std::istringstream stream(launcher);
+  TextReader stream(launcher);
   Launch launch;
   std::string name;
   require(static_cast<bool>(stream >> name),
@@ -88,7 +88,7 @@ Launch launch_of(const std::string& launcher) {
 
 // The line of what was said that tells most.
 std::string reason_in(const std::string& errors) {
-  std::istringstream stream(errors);
+  TextReader stream(errors);
   std::string own, signal, last;
   for (std::string line; std::getline(stream, line);) {
     const bool is_rule = line.find_first_not_of("-= \t\r") == std::string::npos;

@@ -52,6 +52,7 @@ DOORS = {
     r"nlopt": ["priors/gaussian_process/optimum.cpp"],
     r"toml": ["study/toml/study_source.cpp"],
     r"CLI/": ["app/main.cpp"],
+    r"sstream": ["base/text_stream.h"],
 }
 # std::to_string prints 1e-14 as 0.000000: fmt::to_string and fmt::format do not. Whole numbers only,
 # where fmt is not linked or was not yet.

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <sstream>
 
 #include "base/error.h"
+#include "base/text_stream.h"
 
 namespace chladni::modal {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 using Complex = std::complex<double>;
 
 [[noreturn]] void refuse(double frequency_hz, const char* what) {
-  std::ostringstream text;
+  TextWriter text;
   text << "frf: the frequency " << frequency_hz << " Hz " << what;
   throw InvalidInput(text.str());
 }

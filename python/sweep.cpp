@@ -3,9 +3,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <sstream>
-
 #include "app/sweep.h"
+#include "base/text_stream.h"
 #include "python/python_json.h"
 #include "python/python_work.h"
 #include "python/rooms.h"
@@ -30,7 +29,7 @@ app::SweepCommand command_of(const std::filesystem::path& plan,
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
-  std::istringstream stream(text);
+  TextReader stream(text);
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
 }
@@ -43,8 +42,8 @@ py::object sweep(const std::filesystem::path& plan,
   command.jobs = jobs;
   command.threads = threads;
   command.retry = retry;
-  std::ostringstream results;
-  std::ostringstream said;
+  TextWriter results;
+  TextWriter said;
   PythonWork work(Asked{.progress = progress});
   work.done([&] { return app::sweep(command, results, said, work.progress()); });
   warn_python(lines_of(said.str()));
@@ -55,7 +54,7 @@ py::object gather(const std::filesystem::path& plan,
                   const std::optional<std::filesystem::path>& folder, const Folders& allowed,
                   bool pictures) {
   const auto command = command_of(plan, folder, allowed, pictures);
-  std::ostringstream results;
+  TextWriter results;
   {
     const LongCall call;
     static_cast<void>(app::gather(command, results));

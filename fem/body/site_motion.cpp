@@ -8,11 +8,11 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <sstream>
 #include <unordered_map>
 #include <vector>
 
 #include "base/error.h"
+#include "base/text_stream.h"
 #include "fem/element.h"
 
 namespace chladni::fem {
@@ -312,7 +312,7 @@ SiteMotion point_motion(const mesh::TetMesh& body, const mesh::Site& site, Eigen
 SiteMotion footprint_motion(const mesh::TetMesh& body, const mesh::Site& site, double diameter) {
   require_on(body, site);
   const double size = (body.points.row(site.nodes(1)) - body.points.row(site.nodes(0))).norm();
-  std::ostringstream found;
+  TextWriter found;
   found << "the footprint is " << diameter << " m across";
   require(std::isfinite(diameter) && diameter > 1e-6 * size,
           found.str() +

@@ -3,9 +3,9 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <map>
-#include <sstream>
 
 #include "base/error.h"
+#include "base/text_stream.h"
 #include "fem/body/site_motion.h"
 
 namespace chladni::fem {
@@ -29,7 +29,7 @@ class Checks {
   }
   void unit_vector(const Eigen::Vector3d& direction, const char* name) const {
     if (std::abs(direction.norm() - 1.0) <= 1e-6) return;
-    std::ostringstream text;
+    TextWriter text;
     text << of_ << "the " << name << " is (" << direction.transpose()
          << "); expected a vector of length 1";
     throw InvalidInput(text.str());
@@ -38,7 +38,7 @@ class Checks {
 
  private:
   void fail(double value, const char* name, const char* unit, const char* expected) const {
-    std::ostringstream text;
+    TextWriter text;
     text << of_ << "the " << name << " is " << value << " " << unit << "; expected " << expected;
     throw InvalidInput(text.str());
   }

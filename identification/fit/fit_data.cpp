@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
+#include "base/text_stream.h"
 #include "dense/algebra.h"
 #include "identification/constants.h"
 
@@ -93,7 +93,7 @@ Eigen::VectorXd smoothed_magnitude(const Eigen::VectorXcd& value, const Eigen::V
 void check_size(double size, const modal::FrfSet& set, Eigen::Index i, Eigen::Index j,
                 Eigen::Index line) {
   if (size <= kMostSize) return;
-  std::ostringstream text;
+  TextWriter text;
   text << "response " << response_name(set, i, j) << " at " << set.frequency_hz(line)
        << " Hz: " << size << " m/N, expected a response of less than " << kMostSize;
   throw InvalidInput(text.str());

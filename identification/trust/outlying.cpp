@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <set>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
+#include "base/text_stream.h"
 #include "identification/constants.h"
 
 namespace chladni::identification {
@@ -231,7 +231,7 @@ double distance(const ModalFit& fit, Eigen::Index m, const ModalFit& other) {
 
 // States how the modes differ, as a sentence; empty if they do not.
 std::string difference(const ModalFit& found, const ModalFit& clean) {
-  std::ostringstream text;
+  TextWriter text;
   if (found.model.mode_count() != clean.model.mode_count()) {
     text << "without them there are " << clean.model.mode_count() << " modes instead of "
          << found.model.mode_count();

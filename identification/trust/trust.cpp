@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
 
 #include "base/error.h"
+#include "base/text_stream.h"
 #include "identification/constants.h"
 #include "identification/poles/beyond_lines.h"
 #include "identification/trust/outlying.h"
@@ -83,7 +83,7 @@ void look_at_what_is_left(const ModalFit& fit, const FitData& data, Judgement& j
   judgement.relative_error = std::sqrt(wrong.sum() / power);
   judgement.unexplained = std::max(0.0, wrong.sum() - noise) / power;
   if (judgement.unexplained > Constants::most_unexplained) {
-    std::ostringstream text;
+    TextWriter text;
     text << "the modes leave " << 100.0 * judgement.unexplained
          << " % of the responses' power unexplained by themselves or noise";
     judgement.reasons.push_back(text.str());

@@ -31,9 +31,9 @@
 #include <cmath>
 #include <iostream>
 #include <map>
-#include <sstream>
 
 #include "base/error.h"
+#include "base/text_stream.h"
 #include "io/bytes/message.h"
 #include "mesh/disjoint_sets.h"
 
@@ -68,7 +68,7 @@ TopoDS_Shape only_solid(const TopoDS_Shape& shape) {
   require(solids.Extent() > 0, "no solid in the file, but " + std::to_string(faces.Extent()) +
                                    " faces: expected one closed solid, export it so");
   if (solids.Extent() > 1) {
-    std::ostringstream text;
+    chladni::TextWriter text;
     text << solids.Extent() << " solids, expected one: unite them or export them apart; volumes";
     for (int i = 1; i <= std::min(solids.Extent(), 10); ++i) text << " " << volume(solids(i));
     text << " mm3";

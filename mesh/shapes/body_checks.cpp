@@ -4,16 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <vector>
 
 #include "base/error.h"
+#include "base/text_stream.h"
 
 namespace chladni::mesh {
 namespace {
 
 std::string text(double metres) {
-  std::ostringstream words;
+  TextWriter words;
   words.precision(6);
   words << metres << " m";
   return words.str();

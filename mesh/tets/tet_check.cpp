@@ -4,10 +4,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <vector>
 
 #include "base/error.h"
+#include "base/text_stream.h"
 #include "mesh/disjoint_sets.h"
 #include "mesh/tet_mesh.h"
 #include "mesh/tets/joints.h"
@@ -37,7 +37,7 @@ class Offenders {
 };
 
 std::string place(const Eigen::RowVector3d& p) {
-  std::ostringstream text;
+  TextWriter text;
   text.precision(4);
   text << "(" << 1e3 * p(0) << ", " << 1e3 * p(1) << ", " << 1e3 * p(2) << ") mm";
   return text.str();
@@ -166,7 +166,7 @@ void check_volumes(const TetMesh& mesh) {
     const double volume = smallest_local_volume(nodes, barycentric, gradients, longest);
     const double noise = 1e-15 * nodes.cwiseAbs().maxCoeff() * longest * longest;
     if (volume > noise) continue;
-    std::ostringstream words;
+    TextWriter words;
     words << "tetrahedron " << t << " at " << place(nodes.topRows(4).colwise().mean()) << ": "
           << (volume < -noise ? "inverted" : "flat") << ", volume " << volume << " m^3";
     bad.add(words.str());
@@ -191,7 +191,7 @@ std::vector<std::string> descriptions(const TetMesh& mesh, const std::vector<std
   }
   std::vector<std::string> words;
   for (Eigen::Index b = 0; b < parts; ++b) {
-    std::ostringstream text;
+    TextWriter text;
     text << "volume " << volumes(b) << " m^3, centre " << place(centres.row(b) / volumes(b));
     words.push_back(text.str());
   }

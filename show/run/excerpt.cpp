@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <new>
 #include <optional>
-#include <sstream>
 
 #include "base/error.h"
+#include "base/text_stream.h"
 #include "host/atomic_file.h"
 
 namespace chladni::show {
@@ -46,7 +47,7 @@ std::optional<std::string> line_of(const std::string& file, int number) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) return {};
   try {
-    std::istringstream text(read_whole(file, kLargestFile));
+    TextReader text(read_whole(file, kLargestFile));
     std::string line;
     for (int i = 0; i < number; ++i) {
       if (!std::getline(text, line)) return {};
@@ -56,6 +57,8 @@ std::optional<std::string> line_of(const std::string& file, int number) {
   } catch (const InvalidInput&) {
     return {};
   } catch (const OutOfResources&) {
+    return {};
+  } catch (const std::bad_alloc&) {
     return {};
   }
 }
@@ -126,7 +129,7 @@ io::Json remedy_json(const stage::Remedy& remedy) {
 
 std::vector<PlacedError> placed_errors(const std::string& message) {
   std::vector<PlacedError> errors;
-  std::istringstream lines(message);
+  TextReader lines(message);
   for (std::string line; std::getline(lines, line);) {
     if (auto error = placed(line)) {
       errors.push_back(std::move(*error));

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <sstream>
 
 #include "base/error.h"
 #include "base/quantity.h"
+#include "base/text_stream.h"
 #include "host/atomic_file.h"
 #include "study/device_arrays.h"
 #include "study/schemas.h"
@@ -53,7 +53,7 @@ std::vector<ArrayPlace> places_of(TableReader& table, const std::string& form,
 std::vector<std::string> cells_of(std::string line) {
   if (!line.empty() && line.back() == '\r') line.pop_back();
   std::vector<std::string> cells;
-  std::istringstream stream(line);
+  TextReader stream(line);
   for (std::string cell; std::getline(stream, cell, ',');) {
     const auto begin = cell.find_first_not_of(" \t\"");
     const auto end = cell.find_last_not_of(" \t\"");
@@ -101,7 +101,7 @@ double number_of(const std::string& cell, const std::string& place) {
 }
 
 std::vector<ArrayPlace> places_of_csv(const std::filesystem::path& file) {
-  std::istringstream lines(read_whole(file, kLargestCsv));
+  TextReader lines(read_whole(file, kLargestCsv));
   std::vector<ArrayPlace> all;
   std::optional<CsvHead> head;
   int number = 0;

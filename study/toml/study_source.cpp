@@ -1,6 +1,8 @@
 // The only file that uses toml++.
 #include <fmt/format.h>
 
+// Numbers are read without a stream, which calls a number unreadable where memory lacks.
+#define TOML_FLOAT_CHARCONV 1
 #include <toml++/toml.h>
 
 #include <algorithm>

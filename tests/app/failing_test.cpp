@@ -130,6 +130,9 @@ std::vector<Verb> all_verbs() {
   verbs.back().name = "fill";
   verbs.push_back(of_study("modes", "wrong.toml"));
   verbs.back().name = "error";
+  verbs.push_back(of_study("modes"));
+  verbs.back().name = "json";
+  verbs.back().words.emplace_back("--json");
   return verbs;
 }
 
