@@ -20,10 +20,11 @@ class NumericalFailure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The machine has too little memory (forecast before the computation starts) or disk space.
-class OutOfResources : public NumericalFailure {
+/// The machine has too little memory (forecast before the computation starts) or disk space. It is
+/// no NumericalFailure: code that leaves out what has no usable result does not leave this out.
+class OutOfResources : public std::runtime_error {
  public:
-  using NumericalFailure::NumericalFailure;
+  using std::runtime_error::runtime_error;
 };
 
 /// A worker program behind a pipe (the mesher, the painter) aborted, crashed or exceeded its

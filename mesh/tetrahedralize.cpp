@@ -95,6 +95,8 @@ wire::Reply reply_to(const wire::Request& request, const MesherOptions& options,
                      "); try a coarser edge_length, remesh = true, or mend the surface in CAD");
   } catch (const NumericalFailure&) {
     throw;
+  } catch (const OutOfResources&) {
+    throw;
   } catch (const Interrupted&) {
     throw;
   } catch (const std::runtime_error& error) {

@@ -161,8 +161,6 @@ struct Search {
   [[nodiscard]] std::shared_ptr<const Factorization> factorized(double s) const {
     try {
       return system.kept_factor->factor(system.stiffness, s, system.mass, keep_bytes);
-    } catch (const OutOfResources&) {
-      throw;
     } catch (const NumericalFailure& failure) {
       const auto why = precision_advice(system, s);
       throw NumericalFailure(failure.what() + (why.empty() ? "" : ": " + why));
@@ -172,8 +170,6 @@ struct Search {
   [[nodiscard]] Count counted(const Symbolic& symbolic, double low, double high) const {
     try {
       return counted_in_gap(symbolic, system, low, high);
-    } catch (const OutOfResources&) {
-      throw;
     } catch (const NumericalFailure& failure) {
       const auto why = precision_advice(system, low);
       throw NumericalFailure(failure.what() + (why.empty() ? "" : ": " + why));

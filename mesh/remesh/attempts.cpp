@@ -18,11 +18,10 @@ struct Attempt {
   }
 };
 
+// Where memory lacks, the other attempt would need as much.
 Attempt attempted(const std::function<TetMesh()>& way) {
   try {
     return {way(), nullptr};
-  } catch (const OutOfResources&) {  // the other attempt would need as much
-    throw;
   } catch (const NumericalFailure&) {
     return {std::nullopt, std::current_exception()};
   } catch (const InvalidInput&) {  // an inverted cell

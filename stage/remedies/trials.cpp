@@ -55,6 +55,7 @@ std::optional<Value> attempted(Try attempt) {
     return attempt();
   } catch (const InvalidInput&) {
   } catch (const NumericalFailure&) {
+  } catch (const OutOfResources&) {
   } catch (const std::bad_alloc&) {
   }
   return {};

@@ -116,6 +116,8 @@ bool attempted(const char* what, Diagnosed& one, stage::Work& work, Step step) {
     note(e);
   } catch (const NumericalFailure& e) {
     note(e);
+  } catch (const OutOfResources& e) {
+    note(e);
   } catch (const std::bad_alloc& e) {
     note(e);
   }

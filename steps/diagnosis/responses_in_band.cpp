@@ -108,13 +108,16 @@ std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen,
                                                  const study::Study& study, stage::Work& work) {
   if (seen.output_count() * seen.input_count() > diagnosis::kConstants.most_fitted)
     return std::nullopt;
+  const auto none = [&](const std::exception& why) {
+    work.note(std::string("no modes were identified for the comparison: ") + why.what());
+    return std::nullopt;
+  };
   try {
     return fitted_modes(identification::fit_data(seen), study);
-  } catch (const Interrupted&) {
-    throw;
-  } catch (const std::exception& e) {
-    work.note(std::string("no modes were identified for the comparison: ") + e.what());
-    return std::nullopt;
+  } catch (const InvalidInput& e) {
+    return none(e);
+  } catch (const NumericalFailure& e) {
+    return none(e);
   }
 }
 
