@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "fem/assemble.h"
 #include "fem/element/element_matrices.h"
 
@@ -70,6 +71,7 @@ Eigen::Matrix3d principal_axes(const Eigen::Matrix3d& inertia) {
           best = axis;
         }
       }
+      if (best < 0) throw NumericalFailure("rigid-body motions: the body's inertia is not finite");
       taken[static_cast<std::size_t>(best)] = true;
       axes.col(best) = direction.normalized();
       chosen.conservativeResize(3, k + 1);
@@ -85,24 +87,28 @@ Eigen::MatrixXd gram(const SparseMatrix& mass, const Eigen::MatrixXd& motions) {
 }
 
 // Combines the six motions so that M is the identity on them: translations first, then rotations
-// about the principal axes through the centre of mass. Returns the 6×6 combination.
+// about the principal axes through the centre of mass. Returns the 6×6 combination. A motion of
+// which supports hold all mass gets a large size; they resist it.
 Eigen::MatrixXd mass_orthonormal(const Eigen::MatrixXd& g) {
+  constexpr double kHeld = 1e-12;  // of the largest mass or moment of inertia
   Eigen::MatrixXd c = Eigen::MatrixXd::Identity(6, 6);
+  const double least_mass = kHeld * g.diagonal().head(3).maxCoeff();
   for (int i = 0; i < 3; ++i) {
     for (int pass = 0; pass < 2; ++pass) {
       for (int j = 0; j < i; ++j) c.col(i) -= c.col(j) * (c.col(j).transpose() * g * c.col(i));
     }
-    c.col(i) /= std::sqrt(c.col(i).dot(g * c.col(i)));
+    c.col(i) /= std::sqrt(std::max(c.col(i).dot(g * c.col(i)), least_mass));
   }
   Eigen::MatrixXd rotations = c.rightCols(3);
   rotations -= c.leftCols(3) * (c.leftCols(3).transpose() * g * rotations);
   const Eigen::Matrix3d inertia = rotations.transpose() * g * rotations;
   c.rightCols(3) = rotations * principal_axes(inertia);
+  const double least_moment = kHeld * inertia.diagonal().maxCoeff();
   // Where moments are equal but for a millionth, the axes nearest to x, y, z are not quite
   // principal.
   for (int i = 3; i < 6; ++i) {
     for (int j = 3; j < i; ++j) c.col(i) -= c.col(j) * (c.col(j).transpose() * g * c.col(i));
-    c.col(i) /= std::sqrt(c.col(i).dot(g * c.col(i)));
+    c.col(i) /= std::sqrt(std::max(c.col(i).dot(g * c.col(i)), least_moment));
   }
   return c;
 }

@@ -302,6 +302,7 @@ System assemble(const mesh::TetMesh& body, const std::vector<Material>& material
   const auto extra = terms(body, attachments);
   System system;
   system.dofs = dof_map(body, supports, extra.extra_count());
+  require(system.dofs.free_count > 0, "the supports hold the whole body: nothing of it can move");
   const bool untouched = system.dofs.free_count == 3 * body.node_count() && attachments.empty();
   if (untouched) {
     system.stiffness = std::move(summed.stiffness);

@@ -74,6 +74,7 @@ class MirrorFinder {
   Mirror found() {
     take_nodes();
     take_extras();
+    require_pairs();
     require_same(system_.stiffness, "stiffness");
     require_same(system_.mass, "mass");
     return std::move(mirror_);
@@ -133,19 +134,56 @@ class MirrorFinder {
     for (Eigen::Index e = 0; e < count; ++e) {
       at.row(e) = system_.positions.row(system_.dofs.free_dof(first + e));
     }
+    pair_extras(at, directions);
+  }
+
+  // Each with an equal one that is not paired yet, with itself where it lies on the plane.
+  void pair_extras(const Points& at, const std::vector<Eigen::RowVector3d>& directions) {
     const PlaceFinder extras(at, tolerance_);
-    for (Eigen::Index e = 0; e < count; ++e) {
+    const auto row_of = [&](Eigen::Index e) {
+      return system_.dofs.free_dof(3 * system_.dofs.node_count + e);
+    };
+    for (Eigen::Index e = 0; e < at.rows(); ++e) {
+      const int row = row_of(e);
+      if (mirror_.image(row) >= 0) continue;
       Eigen::RowVector3d moved = directions[static_cast<std::size_t>(e)];
       moved(axis_) = -moved(axis_);
       const auto along = [&](int other) {
         return moved.dot(directions[static_cast<std::size_t>(other)]);
       };
-      const int image = extras.at(mirrored(at.row(e)),
-                                  [&](int other) { return std::abs(along(other)) > 1.0 - 1e-9; });
+      const auto serves = [&](int other) {
+        return mirror_.image(row_of(other)) < 0 && std::abs(along(other)) > 1.0 - 1e-9;
+      };
+      const auto find = [&](const auto& takes) { return extras.at(mirrored(at.row(e)), takes); };
+      int image = find([&](int other) { return other == e && serves(other); });
+      if (image < 0) {
+        image = find([&](int other) { return serves(other) && are_equal(row, row_of(other)); });
+      }
+      if (image < 0) image = find(serves);  // that they differ is told later
       if (image < 0) refuse(at.row(e), "a resonator is there and none at its image");
-      const int row = system_.dofs.free_dof(first + e);
-      mirror_.image(row) = system_.dofs.free_dof(first + image);
-      mirror_.sign(row) = along(image) > 0.0 ? 1.0 : -1.0;
+      for (const auto& [one, other] :
+           {std::pair(row, row_of(image)), std::pair(row_of(image), row)}) {
+        mirror_.image(one) = other;
+        mirror_.sign(one) = along(image) > 0.0 ? 1.0 : -1.0;
+      }
+    }
+  }
+
+  [[nodiscard]] bool are_equal(int one, int other) const {
+    const auto same = [&](const SparseMatrix& matrix) {
+      const double a = matrix.coeff(one, one);
+      const double b = matrix.coeff(other, other);
+      return std::abs(a - b) <= kSameEntry * std::max(std::abs(a), std::abs(b));
+    };
+    return same(system_.stiffness) && same(system_.mass);
+  }
+
+  // Where two nodes are at one place it is not known which of them is the image.
+  void require_pairs() const {
+    for (Eigen::Index i = 0; i < mirror_.image.size(); ++i) {
+      const int image = mirror_.image(i);
+      if (mirror_.image(image) == i && mirror_.sign(image) == mirror_.sign(i)) continue;
+      refuse(system_.positions.row(i), "two nodes share one place");
     }
   }
 

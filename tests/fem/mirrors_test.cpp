@@ -119,6 +119,18 @@ TEST(Mirrors, GiveTheModesOfWhatIsAttachedHeldAndTurned) {
   expect_the_same(held, {1}, 10);
 }
 
+// Tuned masses at one place: on the plane each is its own image, beside it those that are equal.
+TEST(Mirrors, GiveTheModesOfSeveralResonatorsAtOnePlace) {
+  Body body = plate(0.3, 0.2, 0.01, 0.05);
+  for (const double stiffness : {1e6, 1e6, 3e5}) {
+    for (const double x : {-0.1, 0.0, 0.1}) {
+      attach(body, "tuned", x, 0.0, Resonator{Eigen::Vector3d::UnitZ(), 0.05, stiffness, 0.0});
+    }
+  }
+  expect_the_same(body, {0}, 14);
+  expect_the_same(body, {0, 1}, 14);
+}
+
 TEST(Mirrors, GiveAsManyModesAsAreAskedFor) {
   for (const int count : {1, 2, 7, 40}) expect_the_same(plate(0.2, 0.1, 0.02, 0.05), {0, 1}, count);
 }

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
+#include "base/error.h"
 #include "fem/assemble.h"
 #include "fem/modes.h"
 #include "mesh/bodies.h"
@@ -28,6 +30,41 @@ TEST(RigidBody, MotionsAreOrthonormalHoweverNearlyMomentsAreEqual) {
   const auto system = assemble(body, {isotropic(70e9, 0.33, 2700.0)}, {},
                                {{"clamp", site_on(body, 0.08, 0.08), 0.0, PointMass{1e-7}}});
   EXPECT_EQ(modes(system, {.count = 2}).modes.rigid_count, 6);
+}
+
+// Where supports hold one direction everywhere, as in a plane, no motion along it is left.
+TEST(RigidBody, MotionsOfAPlateThatIsHeldToAPlaneAreThree) {
+  const auto body = mesh::layered(mesh::Plate{0.2, 0.15, 0.01}, 0.05, 1);
+  const Support top{.patch = "top", .z = true};
+  const Support bottom{.patch = "bottom", .z = true};
+  const auto system = assemble(body, {isotropic(70e9, 0.33, 2700.0)}, {top, bottom}, {});
+  ASSERT_EQ(system.rigid.cols(), 3);
+  const Eigen::MatrixXd gram =
+      system.rigid.transpose() * (system.mass.selfadjointView<Eigen::Lower>() * system.rigid);
+  EXPECT_LT((gram - Eigen::MatrixXd::Identity(3, 3)).cwiseAbs().maxCoeff(), 1e-12);
+  const auto found = modes(system, {.count = 4});
+  EXPECT_EQ(found.modes.rigid_count, 3);
+  EXPECT_TRUE(found.summary.complete);
+  EXPECT_GT(found.modes.frequency_hz(3), 1000.0);
+}
+
+// Only the motion along z is left of one that is held along x and y.
+TEST(RigidBody, MotionOfAPlateThatSlidesAlongZIsOne) {
+  const auto body = mesh::layered(mesh::Plate{0.2, 0.15, 0.01}, 0.05, 1);
+  const Support top{.patch = "top", .x = true, .y = true};
+  const Support bottom{.patch = "bottom", .x = true, .y = true};
+  const auto system = assemble(body, {isotropic(70e9, 0.33, 2700.0)}, {top, bottom}, {});
+  ASSERT_EQ(system.rigid.cols(), 1);
+  EXPECT_EQ(modes(system, {.count = 2}).modes.rigid_count, 1);
+}
+
+TEST(RigidBody, ABodyThatIsHeldEverywhereIsRefused) {
+  const auto body = mesh::layered(mesh::Plate{0.2, 0.15, 0.01}, 0.05, 1);
+  std::vector<Support> supports;
+  for (const auto* patch : {"top", "bottom"}) {
+    supports.push_back({.patch = patch, .x = true, .y = true, .z = true});
+  }
+  EXPECT_THROW((void)assemble(body, {isotropic(70e9, 0.33, 2700.0)}, supports, {}), InvalidInput);
 }
 
 }  // namespace
