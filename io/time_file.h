@@ -47,7 +47,9 @@ struct TimeFile {
 [[nodiscard]] TimeFile parse_time_csv(std::string_view bytes, const std::string& name,
                                       const TimeOptions& options = {});
 
-/// A CSV text that parse_time_csv reads back to the last bit, except for units.
+/// A CSV text that parse_time_csv reads back to the last bit, except for units. Blows of one
+/// experiment are counted.
+/// @throws InvalidInput  neighbouring periodic records of one experiment and realisation
 [[nodiscard]] std::string time_csv(const recordings::TimeData& data);
 
 enum class Side { output, input, reference };

@@ -22,6 +22,7 @@ struct ClosedLoopEstimate {
 [[nodiscard]] ClosedLoopEstimate closed_loop_estimate(const Spectra& spectra,
                                                       const FrfEstimateOptions& options = {});
 /// The same on lines that are all excited, from one realisation after the other.
+/// @throws InvalidInput  as closed_loop_estimate()
 [[nodiscard]] ClosedLoopEstimate closed_loop_of_excited(const SpectraSource& excited,
                                                         const FrfEstimateOptions& options);
 [[nodiscard]] ClosedLoopEstimate closed_loop_estimate(const TimeData& data,

@@ -24,7 +24,8 @@ struct BandQuality {
 /// Deviations of a band: up to this it is good, up to the next one fair, else noise [1].
 inline constexpr double kGoodDeviation = 0.03, kFairDeviation = 0.3;
 
-/// At most six parts of equal width on a logarithmic axis, each of 4 lines or more.
+/// At most six parts of equal width on a logarithmic axis, each of 4 lines or more. None without
+/// responses.
 [[nodiscard]] std::vector<BandQuality> band_qualities(const modal::FrfSet& set);
 
 /// "good from 5 to 60 Hz (0.4 % at worst); fair from 60 to 100 Hz (y2/u1: 12 %)"

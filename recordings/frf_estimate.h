@@ -48,6 +48,7 @@ struct FrfEstimate {
 
 /// The spectra of recordings that the options ask for, and the options for them. `about` receives
 /// the transient that was seen before anything was done about it.
+/// @throws InvalidInput  as spectra(); no output or no input
 [[nodiscard]] std::pair<Spectra, FrfEstimateOptions> prepared(const TimeData& data,
                                                               const FrfEstimateOptions& options,
                                                               TransientReport& about);

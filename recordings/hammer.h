@@ -32,8 +32,8 @@ struct HammerEstimate {
 /// Both sets hold the coherence |S_fy|² / (S_ff S_yy). From two hits on they also hold the variance
 /// |H|² (1 − γ²) / (γ² (n−1)) (Bendat and Piersol, Random Data, 4th ed., section 9.2). With few
 /// hits the power that the force does not explain is averaged over up to 11 lines.
-/// @throws InvalidInput  records of unequal length, an input without a hit or of no force, the band
-///                       without lines
+/// @throws InvalidInput  no output or no input, records of unequal length, an input without a hit
+///                       or of no force, the band without lines
 [[nodiscard]] HammerEstimate hammer_estimate(const TimeData& data,
                                              const HammerOptions& options = {});
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "modal/frf_set.h"
@@ -30,5 +31,9 @@ enum class Side { outputs, inputs, references };
 
 /// @throws InvalidInput  sizes differ, a sample is not finite, a name is empty or occurs twice
 void check(const TimeData& data);
+
+/// What keeps responses from being estimated at all: there is no output, or no input. Empty:
+/// nothing.
+[[nodiscard]] std::string missing_side(const TimeData& head);
 
 }  // namespace chladni::recordings

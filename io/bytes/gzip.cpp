@@ -29,10 +29,16 @@ class Inflation {
   /// Whether nothing is open: the last of the files has ended.
   [[nodiscard]] bool is_over() const { return state_ == Z_STREAM_END; }
 
-  /// Unpacks the begin of `packed`, which it takes away. Returns the number of bytes made.
-  /// @throws InvalidInput  damaged; cut off, where `packed` is empty
+  /// Unpacks the begin of `packed`, which it takes away. Returns the number of bytes made: none of
+  /// the zeros with which the end may be padded.
+  /// @throws InvalidInput  damaged; cut off, where `packed` is empty; its end is followed by bytes
+  ///                       of another kind
   std::size_t unpack(std::string_view& packed, char* room, std::size_t size) {
-    if (is_over()) inflateReset(&stream_);
+    if (is_over()) {
+      packed.remove_prefix(std::min(packed.find_first_not_of('\0'), packed.size()));
+      if (packed.empty()) return 0;
+      begin_another(packed.front());
+    }
     // zlib does not write to its input, and it counts at most 4 GiB at once.
     constexpr std::size_t kMost = std::numeric_limits<uInt>::max();
     const auto fed = static_cast<uInt>(std::min(packed.size(), kMost));
@@ -43,14 +49,33 @@ class Inflation {
     stream_.avail_out = most;
     state_ = inflate(&stream_, Z_NO_FLUSH);
     packed.remove_prefix(fed - stream_.avail_in);
-    require(state_ == Z_OK || state_ == Z_STREAM_END,
-            "gzip: " + std::string(packed.empty() ? "the file is cut off" : "the file is damaged"));
+    if (state_ != Z_OK && state_ != Z_STREAM_END) fail();
     return most - stream_.avail_out;
   }
 
  private:
+  static constexpr uLong kMark = 2;  // bytes by which a gzip file is known
+
+  [[noreturn]] static void fail_after_end() {
+    throw InvalidInput("gzip: the file has bytes after its end that are no gzip file");
+  }
+
+  void begin_another(char first) {
+    if (first != '\x1F') fail_after_end();
+    inflateReset(&stream_);
+    is_another_ = true;
+  }
+
+  // zlib makes no progress where the bytes have ended before the file.
+  [[noreturn]] void fail() const {
+    if (state_ == Z_BUF_ERROR) throw InvalidInput("gzip: the file is cut off");
+    if (is_another_ && stream_.total_in <= kMark) fail_after_end();
+    throw InvalidInput("gzip: the file is damaged");
+  }
+
   z_stream stream_{};
   int state_ = Z_OK;
+  bool is_another_ = false;  // not the first of several files
 };
 
 bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1F\x8B"); }

@@ -15,8 +15,10 @@ namespace chladni::io {
 /// Whether the bytes begin like a gzip file.
 [[nodiscard]] bool is_gzip(std::string_view bytes);
 
-/// The unpacked content of one gzip file, or of several gzip files one after the other.
-/// @throws InvalidInput  the file is damaged or truncated, or its content exceeds `limit` bytes
+/// The unpacked content of one gzip file, or of several gzip files one after the other, which zeros
+/// may follow.
+/// @throws InvalidInput  the file is damaged or truncated, other bytes follow its end, or its
+///                       content exceeds `limit` bytes
 [[nodiscard]] std::string unzipped(std::string_view bytes, std::size_t limit);
 
 class Inflation;
@@ -34,7 +36,7 @@ class UnpackedFile {
 
   /// Puts the next bytes into `room`, and returns their number: less than it holds at the end
   /// alone.
-  /// @throws InvalidInput    it is damaged or truncated
+  /// @throws InvalidInput    it is damaged or truncated, or other bytes follow its end
   /// @throws OutOfResources  as InputFile
   [[nodiscard]] std::size_t read(char* room, std::size_t size);
   [[nodiscard]] bool is_packed() const { return inflation_ != nullptr; }

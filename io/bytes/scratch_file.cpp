@@ -4,11 +4,13 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <string>
 
 #include "base/error.h"
+#include "host/held_signal.h"
 #include "host/unless_interrupted.h"
 
 namespace chladni::io {
@@ -45,6 +47,7 @@ ScratchFile::ScratchFile() {
 ScratchFile::~ScratchFile() { close(file_); }
 
 std::uint64_t ScratchFile::append(const double* numbers, std::size_t count) {
+  const HeldSignal held(SIGXFSZ);  // of a limit on the size of files: the write fails instead
   const auto start = size_;
   const char* bytes = reinterpret_cast<const char*>(numbers);
   for (std::size_t left = count * sizeof(double); left > 0;) {

@@ -19,7 +19,7 @@ class ScratchFile {
   ScratchFile& operator=(ScratchFile&&) = delete;
 
   /// Writes at the end. @return where it begins [bytes]
-  /// @throws OutOfResources  the disk is full
+  /// @throws OutOfResources  the disk is full, or the limit on the size of files is reached
   std::uint64_t append(const double* numbers, std::size_t count);
   /// @throws OutOfResources  the disk fails
   void read(std::uint64_t at, double* numbers, std::size_t count) const;

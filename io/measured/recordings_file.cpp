@@ -173,47 +173,28 @@ class Pieces {
     return std::ssize(head_.data.outputs) + std::ssize(head_.data.inputs) +
            std::ssize(head_.data.references);
   }
-  [[nodiscard]] Eigen::VectorXd times(Index first, Index count) const {
-    return store_->read(recordings_.records.size() - 1, channel_count() + time_column, first,
-                        count);
-  }
-
-  // The steps of the record that ends. Only where they are wrong is all of its time looked at.
-  void look_at_steps() {
-    const Index samples = recordings_.records.back().samples;
-    auto& step = head_.data.sample_time_s;
-    const double start = times(0, 1)(0);
-    if (recordings_.records.size() == 1) {
-      if (samples < 2) tell_wrong_steps();
-      step = step_of(start, times(1, 1)(0), times(samples - 1, 1)(0), samples - 1);
-      if (!(step > 0.0)) tell_wrong_steps();
-    }
-    for (Index first = 0; first < samples; first += kBlockRows) {
-      const auto time = times(first, std::min<Index>(kBlockRows, samples - first));
-      for (Index i = 0; i < time.size(); ++i) {
-        const double expected = start + step * static_cast<double>(first + i);
-        if (!is_on_step(time(i), expected, step)) tell_wrong_steps();
-      }
-    }
-  }
-
-  [[noreturn]] void tell_wrong_steps() const {
+  // Of the record that ends.
+  [[nodiscard]] RecordedTimes times() const {
     const auto record = recordings_.records.size() - 1;
-    const Index samples = recordings_.records.back().samples;
-    CsvTable table{.file = table_.file,
-                   .names = {table_.names[static_cast<std::size_t>(layout_.time)]},
-                   .header_line = table_.header_line,
-                   .line = {},
-                   .values = times(0, samples)};
-    for (const double line : store_->read(record, channel_count() + line_column, 0, samples)) {
-      table.line.push_back(static_cast<int>(line));
-    }
-    RecordLayout only_time;
-    only_time.time = 0;
-    const Stretch all{.first = 0, .end = samples};
-    const double step = record == 0 ? step_of(table, only_time, all) : head_.data.sample_time_s;
-    check_steps(table, only_time, all, step);
-    throw InvalidInput(table_.file + ": the time does not have one step");
+    const auto column = channel_count();
+    return {.file = table_.file,
+            .name = table_.names[static_cast<std::size_t>(layout_.time)],
+            .samples = recordings_.records.back().samples,
+            .times =
+                [store = store_, record, column](Index first, Index count) {
+                  return store->read(record, column + time_column, first, count);
+                },
+            .line =
+                [store = store_, record, column](Index row) {
+                  return static_cast<int>(store->read(record, column + line_column, row, 1)(0));
+                }};
+  }
+
+  void look_at_steps() {
+    const auto time = times();
+    auto& step = head_.data.sample_time_s;
+    if (recordings_.records.size() == 1) step = step_of(time);
+    check_steps(time, step);
   }
 
   [[nodiscard]] recordings::Recordings recordings() {

@@ -14,6 +14,8 @@ namespace chladni::io {
 namespace {
 
 using Index = Eigen::Index;
+constexpr double kMostNumber = 1e6;  // of an experiment, a realisation, a period
+
 std::vector<modal::MeasuredChannel>& channels_of(recordings::TimeData& data, Side side) {
   return side == Side::output ? data.outputs : side == Side::input ? data.inputs : data.references;
 }
@@ -29,38 +31,89 @@ std::string named(const std::vector<modal::MeasuredChannel>& channels) {
 }
 
 // What is wrong with the time of a recording whose steps are not all alike: samples that are
-// missing, or another sample rate. Empty: neither.
+// missing, another sample rate, another recording. No row: none of these.
 struct TimeFault {
   Index row = -1;
   std::string what;
 };
 
-TimeFault fault_of(const Eigen::VectorXd& time, Index first, Index end) {
-  std::vector<double> steps;
-  for (Index row = first + 1; row < end; ++row) steps.push_back(time(row) - time(row - 1));
-  if (steps.empty()) return {};
-  auto sorted = steps;
-  std::ranges::nth_element(sorted, sorted.begin() + std::ssize(sorted) / 2);
-  const double usual = sorted[sorted.size() / 2];
-  if (!(usual > 0.0)) return {};
-  const auto differs = [&](double step) { return std::abs(step - usual) > 0.1 * usual; };
-  const auto odd = std::ranges::find_if(steps, differs);
-  if (odd == steps.end()) return {};
-  const Index row = first + 1 + (odd - steps.begin());
-  const double ratio = *odd / usual;
-  const bool stays = odd + 1 < steps.end() && std::abs(odd[1] - *odd) < 0.1 * std::abs(*odd);
+constexpr Index kPiece = 65536;  // times that are looked at at once
+constexpr const char* kOneStep = "; expected one step from sample to sample";
+
+double median_of(Eigen::VectorXd values) {
+  const auto middle = values.begin() + values.size() / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The first row from `from` on, 1 or more, that comes by such a step; −1: there is none.
+template <typename Is>
+Index first_step(const RecordedTimes& time, Index from, Is is) {
+  for (Index row = from; row < time.samples; row += kPiece) {
+    const auto some = time.times(row - 1, std::min(kPiece, time.samples - row) + 1);
+    for (Index i = 1; i < some.size(); ++i) {
+      if (is(some(i) - some(i - 1))) return row + i - 1;
+    }
+  }
+  return -1;
+}
+
+// The step by which a row comes, 1 or more.
+double step_at(const RecordedTimes& time, Index row) {
+  const auto two = time.times(row - 1, 2);
+  return two(1) - two(0);
+}
+
+// @param usual  step of the recording
+TimeFault fall_of(const RecordedTimes& time, Index row, double usual) {
+  const double begin = time.times(0, 1)(0);
+  const double now = time.times(row, 1)(0);
+  const bool is_another = step_at(time, row) < 0.0 && row > 1 && now <= begin + usual;
+  if (!is_another) return {row, std::string("the time does not ascend") + kOneStep};
+  return {row, "the time begins anew; give each recording its own experiment or realisation"};
+}
+
+// A step that differs from the usual one.
+TimeFault odd_step(const RecordedTimes& time, Index row, double usual) {
+  const double step = step_at(time, row);
+  const double ratio = step / usual;
+  const bool stays = row + 1 < time.samples && std::abs(step_at(time, row + 1) - step) < 0.1 * step;
   if (ratio > 1.5 && std::abs(ratio - std::round(ratio)) < 0.1 && !stays) {
     const double missing = std::round(ratio) - 1.0;
-    return {row, fmt::format("{:.0f} sample{} missing before it", missing,
-                             missing == 1.0 ? " is" : "s are")};
+    return {row, fmt::format("{:.0f} sample{} missing before it{}", missing,
+                             missing == 1.0 ? " is" : "s are", kOneStep)};
   }
   const auto changes = [&](Index at, double before, double after) {
-    return TimeFault{at, fmt::format("the sample rate changes from {:.6g} to {:.6g} Hz",
-                                     1.0 / before, 1.0 / after)};
+    return TimeFault{at, fmt::format("the sample rate changes from {:.6g} to {:.6g} Hz{}",
+                                     1.0 / before, 1.0 / after, kOneStep)};
   };
-  if (odd != steps.begin()) return changes(row, *(odd - 1), *odd);
-  const auto next = std::ranges::find_if_not(steps, differs);
-  return changes(first + 1 + (next - steps.begin()), *odd, usual);
+  if (row > 1) return changes(row, step_at(time, row - 1), step);
+  const Index next =
+      first_step(time, 2, [&](double other) { return std::abs(other - usual) <= 0.1 * usual; });
+  return next < 0 ? TimeFault{} : changes(next, step, usual);
+}
+
+// The usual step is the median of the first ones.
+TimeFault fault_of(const RecordedTimes& time) {
+  const auto begin = time.times(0, std::min(kPiece, time.samples));
+  if (begin.size() < 2) return {};
+  const double usual = median_of(begin.tail(begin.size() - 1) - begin.head(begin.size() - 1));
+  const Index row = first_step(time, 1, [&](double step) {
+    return !(step > 0.0) || (usual > 0.0 && std::abs(step - usual) > 0.1 * usual);
+  });
+  if (row < 0) return {};
+  return step_at(time, row) > 0.0 ? odd_step(time, row, usual) : fall_of(time, row, usual);
+}
+
+[[noreturn]] void fail(const RecordedTimes& time, Index row, const std::string& what) {
+  throw InvalidInput(time.file + ": line " + fmt::to_string(time.line(row)) + ": " + what);
+}
+
+void tell_fault(const RecordedTimes& time) {
+  const auto fault = fault_of(time);
+  if (fault.row < 0) return;
+  fail(time, fault.row,
+       fmt::format("{} is {:.9g}: ", time.name, time.times(fault.row, 1)(0)) + fault.what);
 }
 
 Eigen::MatrixXd samples(const CsvTable& table, const Stretch& stretch,
@@ -84,10 +137,12 @@ Eigen::MatrixXd samples(const CsvTable& table, const Stretch& stretch,
 int whole_number(const CsvTable& table, Index row, Index column) {
   if (column < 0) return 0;
   const double value = table.values(row, column);
-  if (value >= 0.0 && value <= 1e6 && value == std::floor(value)) return static_cast<int>(value);
+  if (value >= 0.0 && value <= kMostNumber && value == std::floor(value)) {
+    return static_cast<int>(value);
+  }
   fail(table, row,
-       table.names[static_cast<std::size_t>(column)] + " is " + fmt::format("{:.6g}", value) +
-           ", expected a whole number, 0 or more");
+       fmt::format("{} is {}, expected a whole number from 0 to {:.0f}",
+                   table.names[static_cast<std::size_t>(column)], value, kMostNumber));
 }
 
 Index* special_column(const std::string& name, RecordLayout& layout) {
@@ -147,41 +202,43 @@ void check_times(const CsvTable& table, const RecordLayout& layout) {
   }
 }
 
-double step_of(const CsvTable& table, const RecordLayout& layout, const Stretch& stretch) {
-  const auto time = table.values.col(layout.time);
-  const Index steps = stretch.end - stretch.first - 1;
-  require(steps > 0, table.file + ": one sample only, expected two or more");
-  const double result =
-      step_of(time(stretch.first), time(stretch.first + 1), time(stretch.end - 1), steps);
-  if (!(result > 0.0)) fail(table, stretch.end - 1, "the time does not ascend");
-  return result;
+RecordedTimes times_of(const CsvTable& table, const RecordLayout& layout, const Stretch& stretch) {
+  return {.file = table.file,
+          .name = table.names[static_cast<std::size_t>(layout.time)],
+          .samples = stretch.end - stretch.first,
+          .times = [&table, column = layout.time, before = stretch.first](
+                       Index first, Index count) -> Eigen::VectorXd {
+            return table.values.col(column).segment(before + first, count);
+          },
+          .line = [&table, before = stretch.first](
+                      Index row) { return table.line[static_cast<std::size_t>(before + row)]; }};
 }
 
-double step_of(double first, double second, double last, Index steps) {
-  const double mean = (last - first) / static_cast<double>(steps);
-  const double step = second - first;
+double step_of(const RecordedTimes& time) {
+  const Index steps = time.samples - 1;
+  require(steps > 0, time.file + ": one sample only, expected two or more");
+  const double first = time.times(0, 1)(0);
+  const double mean = (time.times(steps, 1)(0) - first) / static_cast<double>(steps);
+  if (!(mean > 0.0)) {
+    tell_fault(time);
+    fail(time, steps, "the time does not ascend");
+  }
+  const double step = time.times(1, 1)(0) - first;
   return std::abs(step - mean) < 1e-12 * std::abs(mean) ? step : mean;
 }
 
-bool is_on_step(double time, double expected, double step) {
-  return std::abs(time - expected) < 0.01 * step;
-}
-
-void check_steps(const CsvTable& table, const RecordLayout& layout, const Stretch& stretch,
-                 double step) {
-  const auto time = table.values.col(layout.time);
-  const auto& name = table.names[static_cast<std::size_t>(layout.time)];
-  for (Index row = stretch.first; row < stretch.end; ++row) {
-    const double expected = time(stretch.first) + step * static_cast<double>(row - stretch.first);
-    if (is_on_step(time(row), expected, step)) continue;
-    if (const auto fault = fault_of(time, stretch.first, stretch.end); fault.row >= 0) {
-      fail(table, fault.row,
-           name + " is " + fmt::format("{:.9g}: ", time(fault.row)) + fault.what +
-               "; expected one step from sample to sample");
+void check_steps(const RecordedTimes& time, double step) {
+  const double start = time.times(0, 1)(0);
+  for (Index first = 0; first < time.samples; first += kPiece) {
+    const auto some = time.times(first, std::min(kPiece, time.samples - first));
+    for (Index i = 0; i < some.size(); ++i) {
+      const double expected = start + step * static_cast<double>(first + i);
+      if (std::abs(some(i) - expected) < 0.01 * step) continue;
+      tell_fault(time);
+      fail(time, first + i,
+           fmt::format("{} is {:.9g}, expected {:.9g}: one step from sample to sample", time.name,
+                       some(i), expected));
     }
-    fail(table, row,
-         fmt::format("{} is {:.9g}, expected {:.9g}: one step from sample to sample", name,
-                     time(row), expected));
   }
 }
 

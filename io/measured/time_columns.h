@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -34,23 +35,29 @@ struct Stretch {
 /// @throws InvalidInput  an experiment or realisation that is no whole number
 [[nodiscard]] std::vector<Stretch> stretches_of(const CsvTable& table, const RecordLayout& layout);
 
-/// The time step of a recording, of a table with a column of the time. @throws InvalidInput  one
-/// sample, a time that is empty or does not ascend
-[[nodiscard]] double step_of(const CsvTable& table, const RecordLayout& layout,
-                             const Stretch& stretch);
-/// The mean step of some samples in order; the first one where they agree. Not above 0: the time
-/// does not ascend.
-[[nodiscard]] double step_of(double first, double second, double last, Eigen::Index steps);
-/// Whether the time of a sample is that of a step.
-[[nodiscard]] bool is_on_step(double time, double expected, double step);
+/// The times of one recording, in a table or on the disk.
+struct RecordedTimes {
+  std::string file, name;  ///< of the file and of the column
+  Eigen::Index samples = 0;
+  /// `count` times from `first` on; a few or 65 537 are asked for at once.
+  std::function<Eigen::VectorXd(Eigen::Index first, Eigen::Index count)> times;
+  std::function<int(Eigen::Index row)> line;  ///< line of the file
+};
+/// @param table  with a column of the time; it outlives the times
+[[nodiscard]] RecordedTimes times_of(const CsvTable& table, const RecordLayout& layout,
+                                     const Stretch& stretch);
+
+/// The mean step of a recording; the first one where they agree. @throws InvalidInput  one sample,
+/// a time that does not ascend
+[[nodiscard]] double step_of(const RecordedTimes& time);
 /// @throws InvalidInput  a row where the time is not that of this step: samples that are missing,
-///                       or another sample rate
-void check_steps(const CsvTable& table, const RecordLayout& layout, const Stretch& stretch,
-                 double step);
+///                       another sample rate, another recording
+void check_steps(const RecordedTimes& time, double step);
 /// @throws InvalidInput  a time that is empty or no number
 void check_times(const CsvTable& table, const RecordLayout& layout);
 
-/// The whole number in a cell, 0 where there is no such column. @throws InvalidInput  none
+/// The whole number in a cell, at most a million; 0 where there is no such column.
+/// @throws InvalidInput  none
 [[nodiscard]] int whole_number(const CsvTable& table, Eigen::Index row, Eigen::Index column);
 
 /// The lengths of runs of equal numbers in the column `period`, which must be one.

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <map>
 #include <set>
 
 #include "base/error.h"
@@ -32,8 +32,8 @@ double sample_time(const CsvTable& table, const RecordLayout& layout,
     return options.sample_time_s;
   }
   check_times(table, layout);
-  const double step = step_of(table, layout, stretches.front());
-  for (const auto& stretch : stretches) check_steps(table, layout, stretch, step);
+  const double step = step_of(times_of(table, layout, stretches.front()));
+  for (const auto& stretch : stretches) check_steps(times_of(table, layout, stretch), step);
   return step;
 }
 
@@ -127,9 +127,31 @@ void add_columns(const recordings::TimeData& data, Side side,
   }
 }
 
+bool runs_together(const recordings::Record& one, const recordings::Record& next) {
+  return one.experiment == next.experiment && one.realisation == next.realisation;
+}
+
+// The realisations under which records are told apart: in a table a record ends where its numbers
+// do. Blows may have any numbers, and are counted where theirs do not tell them apart.
+std::vector<int> told_apart(const recordings::TimeData& data) {
+  const auto& records = data.records;
+  std::vector<int> numbers;
+  for (const auto& record : records) numbers.push_back(record.realisation);
+  const auto same = std::ranges::adjacent_find(records, runs_together);
+  if (same == records.end()) return numbers;
+  require(data.period == 0,
+          fmt::format("CSV cannot hold two neighbouring recordings of experiment {} and "
+                      "realisation {}; expected numbers that differ",
+                      same->experiment, same->realisation));
+  std::map<int, int> count;
+  for (std::size_t r = 0; r < records.size(); ++r) numbers[r] = count[records[r].experiment]++;
+  return numbers;
+}
+
 }  // namespace
 
 std::string time_csv(const recordings::TimeData& data) {
+  const auto realisations = told_apart(data);
   Index rows = 0;
   for (const auto& record : data.records) rows += record.outputs.rows();
   Eigen::VectorXd time(rows);
@@ -137,11 +159,12 @@ std::string time_csv(const recordings::TimeData& data) {
   Eigen::VectorXi realisation(rows);
   Eigen::VectorXi period(rows);
   Index at = 0;
-  for (const auto& record : data.records) {
+  for (std::size_t r = 0; r < data.records.size(); ++r) {
+    const auto& record = data.records[r];
     for (Index n = 0; n < record.outputs.rows(); ++n, ++at) {
       time(at) = static_cast<double>(n) * data.sample_time_s;
       experiment(at) = record.experiment;
-      realisation(at) = record.realisation;
+      realisation(at) = realisations[r];
       period(at) = data.period > 0 ? static_cast<int>(n / data.period) : 0;
     }
   }

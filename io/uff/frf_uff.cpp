@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
 #include <set>
@@ -143,12 +142,9 @@ class Collector {
   }
 
   // Sets the unit of an output or input. All its responses share this unit.
-  static void state_unit(modal::MeasuredChannel& channel, const UffScale& scale, bool is_output,
-                         const UffFunction& function) {
-    if (is_output && scale.kind) channel.kind = *scale.kind;
-    channel.unit = std::abs(function.response.direction) > 3 && is_output && scale.unit == "m"
-                       ? "rad"
-                       : scale.unit;
+  static void state_unit(modal::MeasuredChannel& channel, const UffScale& scale) {
+    channel.kind = scale.kind.value_or(channel.kind);
+    channel.unit = scale.unit;
   }
 
   void fill() {
@@ -161,7 +157,7 @@ class Collector {
         repeated(*other->second, *function);
         continue;
       }
-      const auto output = motion_scale(function->ordinate, function->units);
+      const auto output = motion_scale(*function);
       const auto input = force_scale(function->denominator, function->units);
       auto& known = of_output[static_cast<std::size_t>(i)];
       if (known && (known->kind != output.kind || known->unit != output.unit)) {
@@ -171,8 +167,8 @@ class Collector {
       known = output;
       kinds_known_ = kinds_known_ && output.kind;
       for (const auto& note : {output.note, input.note}) add_note(note);
-      state_unit(file_.set.outputs[static_cast<std::size_t>(i)], output, true, *function);
-      state_unit(file_.set.inputs[static_cast<std::size_t>(j)], input, false, *function);
+      state_unit(file_.set.outputs[static_cast<std::size_t>(i)], output);
+      state_unit(file_.set.inputs[static_cast<std::size_t>(j)], input);
       for (Index k = 0; k < file_.set.line_count(); ++k) {
         file_.set.value[static_cast<std::size_t>(k)](i, j) =
             function->y(k) * (output.factor / input.factor);

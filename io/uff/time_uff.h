@@ -13,7 +13,8 @@ namespace chladni::io {
 /// Reads time responses (dataset 58 of function type 1, or of type 0 over time). Inputs are the
 /// channels that `options` lists, and forces by their type. The load case is the experiment and the
 /// version is the realisation. Further functions of a channel with the same numbers are further
-/// realisations.
+/// realisations; all are numbered in order then. A name that the options have on two sides has the
+/// side that the file says.
 /// @throws InvalidInput  as parse_uff; or recordings of one experiment differ in length or step
 [[nodiscard]] TimeFile parse_time_uff(std::string_view bytes, const std::string& name,
                                       const TimeOptions& options = {});

@@ -57,6 +57,8 @@ class UffReader {
 
  private:
   void skip_to_first() {
+    constexpr std::string_view kMark = "\xEF\xBB\xBF";  // the byte order mark of UTF-8
+    if (lines_.rest().starts_with(kMark)) lines_.skip(kMark.size());
     const std::size_t before = lines_.left();
     while (!lines_.at_end() && trimmed(lines_.peek()) != "-1") {
       if (!trimmed(lines_.peek()).empty() && before == lines_.left()) {
@@ -82,14 +84,13 @@ class UffReader {
     any_ = true;
     last_ = number;
     read_dataset(number, head);
-    while (!lines_.at_end() && trimmed(lines_.peek()).empty()) lines_.take();
-    if (lines_.at_end()) {
+    if (!lines_.at_end_of_dataset()) {
+      skip_rest(number);
+    } else if (lines_.at_end()) {
       uff_.notes.push_back("dataset " + number + " from line " + fmt::to_string(at) +
                            " ends without -1");
-    } else if (lines_.at_delimiter()) {
-      lines_.take();
     } else {
-      skip_rest(number);
+      lines_.take();
     }
   }
 
@@ -111,9 +112,9 @@ class UffReader {
     } else if (number == "164") {
       units();
     } else if (number == "15") {
-      while (!lines_.at_delimiter()) node_of_15();
+      while (!lines_.at_end_of_dataset()) node_of_15();
     } else if (number == "2411" || number == "781") {
-      while (!lines_.at_delimiter()) node_of_2411(number == "781");
+      while (!lines_.at_end_of_dataset()) node_of_2411(number == "781");
     } else if (number == "18" || number == "2420") {
       uff_.defines_systems = true;
       as_far_as_readable("coordinate systems", [&] {
@@ -207,8 +208,7 @@ class UffReader {
   }
 
   void node_of_15() {
-    const auto line = lines_.filled_record("node");
-    if (trimmed(line).empty()) return;
+    const auto line = lines_.record("node");
     const auto words = words_of(line.substr(0, 40));
     if (words.size() < 4) {
       lines_.fail("found " + shown(line) + ", expected a node: 4 whole numbers and 3 coordinates");
@@ -223,9 +223,7 @@ class UffReader {
   // Reads a node. Dataset 781 states places in the node's own system. Dataset 2411 states them in
   // the part's system, for any export system.
   void node_of_2411(bool in_own_system) {
-    const auto head = lines_.filled_record("node");
-    const auto words = words_of(head);
-    if (words.empty()) return;
+    const auto words = words_of(lines_.record("node"));
     const auto label = uff_integer(lines_, words[0], "number of a node");
     auto systems = node_systems(words);
     const auto line = lines_.filled_record("coordinates of a node");

@@ -7,11 +7,17 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/quantity.h"
 #include "io/measured/frf_units.h"
 #include "io/scan.h"
 
 namespace chladni::io {
 namespace {
+
+std::string lower(std::string word) {
+  for (char& c : word) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return word;
+}
 
 // The unit in a label: "(m/s^2)", "M/S2", "g's". In "m/s^2/N" only the part before the last slash
 // counts.
@@ -19,9 +25,7 @@ std::optional<MotionUnit> motion_of_label(std::string label) {
   std::erase_if(label, [](char c) { return c == '(' || c == ')' || c == '[' || c == ']'; });
   if (upper(label) == "G" || upper(label) == "G'S" || upper(label) == "GS") label = "g";
   if (auto unit = motion_unit(label)) return unit;
-  std::string lower = label;
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  if (auto unit = motion_unit(lower)) return unit;
+  if (auto unit = motion_unit(lower(label))) return unit;
   const auto stroke = label.rfind('/');
   if (stroke == std::string_view::npos || !force_unit(label.substr(stroke + 1)))
     return std::nullopt;
@@ -53,6 +57,41 @@ std::optional<modal::FrfKind> kind_of(const std::string& label) {
 const char* si_of(modal::FrfKind kind) {
   constexpr const char* units[] = {"m", "m/s", "m/s^2"};
   return units[static_cast<std::size_t>(kind)];
+}
+
+bool is_rotation(const UffDof& dof) { return std::abs(dof.direction) > 3; }
+
+const char* si_of_rotation(modal::FrfKind kind) {
+  constexpr const char* units[] = {"rad", "rad/s", "rad/s^2"};
+  return units[static_cast<std::size_t>(kind)];
+}
+
+// The unit of a label over that of a rotation: "rad", "(deg/s)", "RAD/S2/N".
+std::optional<double> rotation_of_label(std::string label, const std::string& si) {
+  std::erase_if(label, [](char c) { return c == '(' || c == ')' || c == '[' || c == ']'; });
+  for (const auto& word : {label, lower(label)}) {
+    try {
+      return unit_factor(word, si);
+    } catch (const InvalidInput&) {  // another unit
+    }
+  }
+  const auto stroke = label.rfind('/');
+  if (stroke == std::string::npos || !force_unit(label.substr(stroke + 1))) return std::nullopt;
+  return rotation_of_label(label.substr(0, stroke), si);
+}
+
+// The scale of a rotation. Many programs state a unit of length for all channels of a file.
+UffScale rotation_scale(const UffAxis& axis, modal::FrfKind kind) {
+  UffScale scale;
+  scale.kind = kind;
+  scale.unit = si_of_rotation(kind);
+  const auto factor = rotation_of_label(axis.unit, scale.unit);
+  scale.factor = factor.value_or(1.0);
+  if (!factor && !axis.unit.empty()) {
+    scale.note = "the unit " + shown(axis.unit) + " is none of a rotation: values are taken as " +
+                 scale.unit;
+  }
+  return scale;
 }
 
 }  // namespace
@@ -97,11 +136,16 @@ Eigen::Vector3d vector_of(int direction) {
   return result;
 }
 
-UffScale motion_scale(const UffAxis& axis, const std::optional<UffUnits>& units) {
+UffScale motion_scale(const UffFunction& function) {
+  const auto& axis = function.ordinate;
+  const auto& units = function.units;
   UffScale scale;
   scale.kind = kind_of(axis.type);
-  if (!scale.kind) scale.kind = kind_of(axis.label);
   const auto label = motion_of_label(axis.unit);
+  if (is_rotation(function.response) && (scale.kind || label)) {
+    return rotation_scale(axis, scale.kind ? *scale.kind : *label->kind);
+  }
+  if (!scale.kind) scale.kind = kind_of(axis.label);
   const bool is_label = label && (!scale.kind || label->kind == scale.kind);
   if (is_label) {
     scale.factor = label->factor;

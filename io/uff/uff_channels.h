@@ -41,8 +41,10 @@ struct UffScale {
   std::optional<modal::FrfKind> kind;  ///< for a motion
   std::string note;                    ///< set where label and dataset 164 contradict each other
 };
-/// The scale of a displacement, velocity or acceleration, from its label, else from dataset 164.
-[[nodiscard]] UffScale motion_scale(const UffAxis& axis, const std::optional<UffUnits>& units);
+/// The scale of a displacement, velocity or acceleration, from its label, else from dataset 164. A
+/// rotation is in rad, rad/s or rad/s^2: no unit of length scales it, and a study has no such
+/// channels.
+[[nodiscard]] UffScale motion_scale(const UffFunction& function);
 /// The scale of a force, from its label, else from dataset 164.
 [[nodiscard]] UffScale force_scale(const UffAxis& axis, const std::optional<UffUnits>& units);
 

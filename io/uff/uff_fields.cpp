@@ -19,19 +19,25 @@ std::string in_lines(std::span<const Value> values, std::size_t most, Text text)
   return lines;
 }
 
+// A number with a decimal point: where it has none Fortran's E13.5 takes the last five digits for
+// decimals.
+template <class... Form>
+std::string with_point(double value, Form... form) {
+  std::array<char, 40> buffer;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, form...).ptr;
+  std::string digits(buffer.data(), end);
+  if (digits.find('.') == std::string::npos) {
+    digits.insert(std::min(digits.find('e'), digits.size()), 1, '.');
+  }
+  return digits;
+}
+
 }  // namespace
 
 std::string in_13(double value) {
-  std::array<char, 40> buffer;
-  auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-  std::string digits(buffer.data(), end);
-  if (digits.find_first_of(".e") == std::string_view::npos) digits += '.';
+  auto digits = with_point(value);
   for (int most = 11; digits.size() > 12 && most > 3; --most) {
-    end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
-                        std::chars_format::general, most)
-              .ptr;
-    digits.assign(buffer.data(), end);
-    if (digits.find_first_of(".e") == std::string_view::npos) digits += '.';
+    digits = with_point(value, std::chars_format::general, most);
   }
   std::ranges::replace(digits, 'e', 'E');
   return fmt::format("{:>13}", digits);

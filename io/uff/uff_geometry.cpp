@@ -61,10 +61,9 @@ std::vector<long long> uff_trace_line(UffLines& lines) {
 }
 
 void read_elements_of_2412(UffLines& lines, std::vector<std::vector<long long>>& elements) {
-  while (!lines.at_delimiter()) {
-    const std::string head(lines.filled_record("element"));
+  while (!lines.at_end_of_dataset()) {
+    const std::string head(lines.record("element"));
     const auto words = words_of(head);
-    if (words.empty()) continue;
     if (words.size() < 6) lines.fail("found " + shown(head) + ", expected six whole numbers");
     const auto kind = uff_integer(lines, words[1], "kind of an element");
     const auto count = count_of(lines, words[5], "number of nodes");

@@ -60,6 +60,11 @@ std::string_view UffLines::take() {
 
 bool UffLines::at_delimiter() const { return at_end() || trimmed(peek()) == "-1"; }
 
+bool UffLines::at_end_of_dataset() {
+  while (!at_end() && trimmed(peek()).empty()) take();
+  return at_delimiter();
+}
+
 std::string_view UffLines::record(std::string_view what) {
   if (at_end()) fail("the file ends before the " + std::string(what));
   if (at_delimiter()) fail("the dataset ends before the " + std::string(what));
@@ -67,7 +72,7 @@ std::string_view UffLines::record(std::string_view what) {
 }
 
 std::string_view UffLines::filled_record(std::string_view what) {
-  while (!at_end() && trimmed(peek()).empty()) take();
+  static_cast<void>(at_end_of_dataset());
   return record(what);
 }
 

@@ -28,6 +28,8 @@ class UffLines {
   std::string_view take();
   /// Whether the next line is the -1 around datasets, or the file ends.
   [[nodiscard]] bool at_delimiter() const;
+  /// The same behind blank lines, which it takes.
+  [[nodiscard]] bool at_end_of_dataset();
   /// Takes the next line of this dataset. @param what  its name in a message where it is missing
   std::string_view record(std::string_view what);
   /// Takes the next line of this dataset that is not blank.

@@ -16,6 +16,7 @@ namespace chladni::io {
 namespace {
 
 using Index = Eigen::Index;
+constexpr long long kMostNumber = 1'000'000;  // of an experiment or realisation
 
 std::string stated(const UffFunction& function, std::string_view mark) {
   for (const auto& id : function.id) {
@@ -32,13 +33,15 @@ std::pair<long long, int> degree_of(const UffFunction& function) {
   return {function.response.node, function.response.direction};
 }
 
+// Where a name is both a sensor's and an actuator's the file decides.
 Side side_of(const UffFunction& function, const std::string& name, const TimeOptions& options) {
   const auto knows = [&](const std::vector<std::string>& names) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
-  if (knows(options.sensor_names)) return Side::output;
-  if (knows(options.actuator_names)) return Side::input;
-  if (knows(options.reference_names)) return Side::reference;
+  const bool is_sensor = knows(options.sensor_names);
+  const bool is_actuator = knows(options.actuator_names);
+  if (is_sensor != is_actuator) return is_sensor ? Side::output : Side::input;
+  if (!is_sensor && knows(options.reference_names)) return Side::reference;
   const auto side = std::find(kUffSides.begin(), kUffSides.end(), stated(function, kUffSide));
   if (side != kUffSides.end()) return static_cast<Side>(side - kUffSides.begin());
   return function.ordinate.type == 13 || function.ordinate.type == 9 ? Side::input : Side::output;
@@ -141,7 +144,7 @@ void UffRecordings::take(std::size_t f) {
   const Side side = side_of(function, name, options_);
   auto& all = channels(side);
   auto found = std::find_if(all.begin(), all.end(), [&](const auto& c) { return c.name == name; });
-  const auto scale = side == Side::output ? motion_scale(function.ordinate, function.units)
+  const auto scale = side == Side::output ? motion_scale(function)
                                           : force_scale(function.ordinate, function.units);
   if (found == all.end()) {
     modal::MeasuredChannel channel;
@@ -151,12 +154,18 @@ void UffRecordings::take(std::size_t f) {
     channel.unit = scale.unit;
     channel.kind = scale.kind.value_or(channel.kind);
     found = all.insert(all.end(), channel);
+    note_once(scale.note);
   }
   Key key{function.load_case, function.version, 0};
   const auto number = static_cast<Index>(found - all.begin());
   while (has_part(parts_[key], side, number)) ++key[2];
   parts_[key].push_back({f, side, number, scale.factor});
   take_sample_time(function, traces_[f]);
+}
+
+void UffRecordings::note_once(const std::string& note) {
+  if (note.empty() || std::ranges::find(file_.notes, note) != file_.notes.end()) return;
+  file_.notes.push_back(note);
 }
 
 void UffRecordings::take_sample_time(const UffFunction& function, const UffTrace& trace) {
@@ -173,7 +182,10 @@ void UffRecordings::finish() {
   for (const auto side : {Side::output, Side::input, Side::reference}) {
     place_channels(uff_, length, channels(side), file_.notes);
   }
-  for (const auto& [key, parts] : parts_) add_record(key, parts);
+  const auto numbers = realisations();
+  for (const auto& [key, parts] : parts_) {
+    add_record(key[0], numbers.at({key[1], key[2]}), parts);
+  }
   const auto& first = uff_.functions[parts_.begin()->second.front().function];
   const auto stated_period = integer_in(stated(first, kUffPeriod));
   file_.data.period = options_.period > 0 ? options_.period : stated_period.value_or(0);
@@ -200,12 +212,27 @@ void UffRecordings::state_unit() {
   }
 }
 
-void UffRecordings::add_record(const Key& key, const std::vector<UffPart>& parts) {
+std::map<UffRecordings::Taking, int> UffRecordings::realisations() const {
+  std::map<Taking, int> numbers;
+  bool are_versions = true;
+  for (const auto& [key, parts] : parts_) {
+    numbers.emplace(Taking(key[1], key[2]), 0);
+    are_versions = are_versions && key[2] == 0 && key[1] >= 0 && key[1] <= kMostNumber;
+  }
+  int next = 0;
+  for (auto& [taking, number] : numbers) {
+    number = are_versions ? static_cast<int>(taking.first) : next++;
+  }
+  return numbers;
+}
+
+void UffRecordings::add_record(long long experiment, int realisation,
+                               const std::vector<UffPart>& parts) {
   UffRecord record;
   const Index n = traces_[parts.front().function].count;
   const auto& data = file_.data;
-  record.experiment = static_cast<int>(std::clamp(key[0], 0LL, 1'000'000LL));
-  record.realisation = static_cast<int>(std::clamp(key[1], 0LL, 1'000'000LL) + key[2]);
+  record.experiment = static_cast<int>(std::clamp(experiment, 0LL, kMostNumber));
+  record.realisation = realisation;
   record.samples = n;
   record.parts = parts;
   const auto all = data.outputs.size() + data.inputs.size() + data.references.size();

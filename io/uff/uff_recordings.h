@@ -80,17 +80,21 @@ class UffRecordings {
   }
 
  private:
-  using Key = std::array<long long, 3>;  // experiment, realisation, count within its channel
+  using Key = std::array<long long, 3>;            // experiment, version, count within its channel
+  using Taking = std::pair<long long, long long>;  // version and count
 
   [[noreturn]] void fail(const std::string& what) const;
   [[nodiscard]] std::string place(const UffFunction& function) const;
   [[nodiscard]] std::string place(const UffPart& part) const;
   std::vector<modal::MeasuredChannel>& channels(Side side);
   void take(std::size_t f);
+  void note_once(const std::string& note);
   void take_sample_time(const UffFunction& function, const UffTrace& trace);
   void finish();
   void state_unit();
-  void add_record(const Key& key, const std::vector<UffPart>& parts);
+  // The realisations: versions, where each is there once, else in order of version and count.
+  [[nodiscard]] std::map<Taking, int> realisations() const;
+  void add_record(long long experiment, int realisation, const std::vector<UffPart>& parts);
 
   const Uff& uff_;
   const std::vector<UffTrace>& traces_;

@@ -66,11 +66,7 @@ int type_of(UffLines& lines, long long type) {
 }  // namespace
 
 void read_systems_of_18(UffLines& lines, std::map<long long, UffSystem>& systems) {
-  while (!lines.at_delimiter()) {
-    if (trimmed(lines.peek()).empty()) {
-      lines.take();
-      continue;
-    }
+  while (!lines.at_end_of_dataset()) {
     const auto head = integers_of(lines, 3, "coordinate system");
     UffSystem system;
     system.type = type_of(lines, head[1]);
@@ -85,11 +81,7 @@ void read_systems_of_18(UffLines& lines, std::map<long long, UffSystem>& systems
 void read_systems_of_2420(UffLines& lines, std::map<long long, UffSystem>& systems) {
   static_cast<void>(integers_of(lines, 1, "number of the part"));
   static_cast<void>(lines.record("name of the part"));
-  while (!lines.at_delimiter()) {
-    if (trimmed(lines.peek()).empty()) {
-      lines.take();
-      continue;
-    }
+  while (!lines.at_end_of_dataset()) {
     const auto head = integers_of(lines, 2, "coordinate system");
     UffSystem system;
     system.type = type_of(lines, head[1]);

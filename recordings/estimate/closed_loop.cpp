@@ -104,6 +104,7 @@ ClosedLoopEstimate closed_loop_estimate(const Spectra& all, const FrfEstimateOpt
 
 ClosedLoopEstimate closed_loop_of_excited(const SpectraSource& spectra,
                                           const FrfEstimateOptions& options) {
+  check_references(spectra.head);
   ClosedLoopEstimate result;
   auto& estimate = result.estimate;
   estimate.transient = transient(spectra);

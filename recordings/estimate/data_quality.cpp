@@ -64,7 +64,8 @@ const char* word_of(double deviation) {
 std::vector<BandQuality> band_qualities(const modal::FrfSet& set) {
   std::vector<BandQuality> bands;
   const Index lines = set.line_count();
-  if (lines < kFewestLines) return bands;
+  const bool has_responses = set.output_count() > 0 && set.input_count() > 0;
+  if (lines < kFewestLines || !has_responses) return bands;
   const double low = std::max(set.frequency_hz(0), 1e-3 * set.frequency_hz(lines - 1));
   const double wide = set.frequency_hz(lines - 1) / low;
   Index first = 0;
@@ -253,7 +254,7 @@ std::vector<PeriodDrift> period_drift(const SpectraSource& excited, Index drop) 
     // The ratio has 2·lines real numbers over 2·lines·(P − 2).
     const double spread = std::sqrt((1.0 + 1.0 / static_cast<double>(fewest - 2)) / lines);
     const double excess = (along / noise - 1.0) / spread;
-    if (excess < kNoChance) continue;
+    if (!(excess >= kNoChance)) continue;  // nor where the output is 0: 0/0
     found.push_back(
         {.output = i,
          .relative = std::sqrt(std::max(0.0, along - noise) / time.squaredNorm() / size),

@@ -131,6 +131,8 @@ FrfEstimate frf_estimate_of_excited(const SpectraSource& spectra,
 std::pair<Spectra, FrfEstimateOptions> prepared(const TimeData& data,
                                                 const FrfEstimateOptions& options,
                                                 TransientReport& about) {
+  const auto missing = missing_side(data);
+  require(missing.empty(), "FRF estimate: " + missing);
   auto all = spectra(data, options.low_hz, options.high_hz);
   if (!options.remove_transient) return {std::move(all), options};
   about = transient(excited_part(all, options));

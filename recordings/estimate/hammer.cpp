@@ -173,6 +173,8 @@ void fill(const Sums& sums, Eigen::Index input, Eigen::Index half, modal::FrfSet
 
 HammerEstimate hammer_estimate(const TimeData& data, const HammerOptions& options) {
   check(data);
+  const auto missing = missing_side(data);
+  require(missing.empty(), "hammer: " + missing);
   for (const auto& record : data.records) {
     require(record.outputs.rows() == data.records.front().outputs.rows(),
             "hammer: records of unequal length");

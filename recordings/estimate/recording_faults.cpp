@@ -20,6 +20,7 @@ constexpr Index kPiece = 65536;      // samples of a channel that are looked at 
 constexpr double kMoreOften = 3.0;   // the largest value than the next one
 constexpr double kSamePeriod = 0.9;  // correlation with the first period: it is in place
 constexpr double kShifted = 0.9;     // correlation in another place: it is shifted
+constexpr double kRounding = 1e-24;  // of the power of a constant: it excites nothing
 
 // How often the largest value occurs, and the next one.
 struct Extremes {
@@ -87,7 +88,7 @@ void look_for_clipping(const Recordings& recordings, Side side,
   }
 }
 
-/// The place of a period against the first one.
+/// The place of a period against the first one, without their means: a mean is alike in any place.
 struct Place {
   double here = 1.0;  // correlation in place
   double best = 1.0;  // in the best place
@@ -95,14 +96,17 @@ struct Place {
 };
 
 Place place_of(const Eigen::VectorXcd& first, const Eigen::VectorXcd& other, Index period) {
-  const Eigen::MatrixXcd product = first.conjugate().cwiseProduct(other);
+  Eigen::MatrixXcd product = first.conjugate().cwiseProduct(other);
+  product(0, 0) = 0.0;
   const Eigen::VectorXd correlation = inverse_fourier(product, period);
   const auto energy = [&](const Eigen::VectorXcd& lines) {
-    return inverse_fourier(Eigen::MatrixXcd(lines.cwiseAbs2().cast<std::complex<double>>()),
-                           period)(0, 0);
+    Eigen::MatrixXcd power = lines.cwiseAbs2().cast<std::complex<double>>();
+    power(0, 0) = 0.0;
+    return inverse_fourier(power, period)(0, 0);
   };
   const double size = std::sqrt(energy(first) * energy(other));
-  if (!(size > 0.0)) return {};
+  const double of_means = std::abs(first(0) * other(0)) / static_cast<double>(period);
+  if (!(size > kRounding * of_means)) return {};
   Place place{.here = correlation(0) / size, .best = 0.0, .shift = 0};
   Index at = 0;
   place.best = correlation.maxCoeff(&at) / size;
@@ -117,16 +121,23 @@ struct Excitation {
   Index channel = -1;  ///< −1: there is none
 };
 
-// The excitation of a record: of the references in a loop, else of the inputs, the strongest.
+// The excitation of a record: of the references in a loop, else of the inputs, the strongest. What
+// does not change excites nothing.
 Excitation excitation_of(const Recordings& recordings, std::size_t record) {
   const auto& head = recordings.head;
   Excitation found{head.references.empty() ? Side::inputs : Side::references};
   const auto channels = std::ssize(head.references.empty() ? head.inputs : head.references);
   double strongest = -1.0;
   for (Index c = 0; c < channels; ++c) {
-    double power = 0.0;
-    walk(recordings, record, found.side, c,
-         [&](const Eigen::VectorXd& values) { power += values.squaredNorm(); });
+    const double start = recordings.samples(record, found.side, c, 0, 1)(0);
+    double sum = 0.0;
+    double squares = 0.0;
+    walk(recordings, record, found.side, c, [&](const Eigen::VectorXd& values) {
+      sum += (values.array() - start).sum();
+      squares += (values.array() - start).matrix().squaredNorm();
+    });
+    const auto samples = static_cast<double>(recordings.records[record].samples);
+    const double power = squares - sum * sum / samples;
     if (power <= strongest) continue;
     strongest = power;
     found.channel = c;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "base/error.h"
 #include "recordings/closed_loop.h"
 #include "recordings/estimate/local_transient.h"
 #include "recordings/fft.h"
@@ -155,6 +156,8 @@ Index fewest_periods(const Recordings& recordings) {
 
 PeriodicEstimate periodic_estimate(const Recordings& recordings,
                                    const FrfEstimateOptions& options) {
+  const auto missing = missing_side(recordings.head);
+  require(missing.empty(), "FRF estimate: " + missing);
   std::vector<Index> samples;
   for (const auto& place : recordings.records) samples.push_back(place.samples);
   check_periods(recordings.head, samples);

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <set>
-#include <string>
 
 #include "base/error.h"
 
@@ -64,6 +63,21 @@ void check(const TimeData& data) {
     check_finite(record.inputs, name, data.inputs);
     check_finite(record.references, name, data.references);
   }
+}
+
+std::string missing_side(const TimeData& head) {
+  const auto count = [](std::size_t channels, const std::string& side) {
+    return fmt::to_string(channels) + " " + side + (channels == 1 ? "" : "s");
+  };
+  if (head.outputs.empty()) {
+    return "no output (sensor) among the channels, " + count(head.inputs.size(), "input") +
+           "; expected one or more of both";
+  }
+  if (head.inputs.empty()) {
+    return "no input (force, command) among the channels, " + count(head.outputs.size(), "output") +
+           "; expected one or more of both";
+  }
+  return "";
 }
 
 }  // namespace chladni::recordings

@@ -41,6 +41,12 @@ io::TimeOptions with_channels(const study::Study& study, io::TimeOptions options
   return options;
 }
 
+void require_sides(const study::MeasurementPlan& plan, const TimeData& head) {
+  const auto missing = recordings::missing_side(head);
+  require(missing.empty(), plan.time.string() + ": " + missing +
+                               "; name the channels as the study names its sensors and actuators");
+}
+
 void refuse_losses(const study::MeasurementPlan& plan, const recordings::RecordingFaults& faults) {
   if (faults.lost.empty()) return;
   std::string text = plan.time.string() + ": " + faults.lost.front();
@@ -230,6 +236,7 @@ RecordedFrfs recorded_in_pieces(const study::Study& study, const io::TimeOptions
   const auto pieces = io::read_in_pieces(plan.time, with_channels(study, options));
   for (const auto& note : pieces.notes) work.note(file + ": " + note);
   const auto& data = pieces.data;
+  require_sides(plan, data.head);
   RecordedFrfs result;
   look_for_faults(plan, recordings::recording_faults(data), work, result);
   const auto how = periodic_options(plan, data.records.front().samples, data.head.period);
@@ -250,6 +257,7 @@ RecordedFrfs recorded_frfs(const study::Study& study, stage::Work& work, bool wi
     return recorded_in_pieces(study, options, with_folds, work);
   }
   const auto data = read_recordings(study, plan.time, options, work).data;
+  require_sides(plan, data);
   RecordedFrfs result;
   look_for_faults(plan, recordings::recording_faults(data), work, result);
   std::vector<std::string> notes;

@@ -30,8 +30,8 @@ struct RecordedFrfs {
 
 /// Periodic recordings with references come from a closed loop; those without a period are blows of
 /// a hammer, one actuator each (`experiment`). The hold of commands is taken off.
-/// @throws InvalidInput  as io::read_time; samples were lost; windows for a periodic excitation; as
-///                       the estimates
+/// @throws InvalidInput  as io::read_time; no output or no input among the channels; samples were
+///                       lost; windows for a periodic excitation; as the estimates
 /// @param with_folds  parts that a fit does not see are wanted, too
 [[nodiscard]] RecordedFrfs recorded_frfs(const study::Study& study, stage::Work& work,
                                          bool with_folds = false);

@@ -94,6 +94,41 @@ TEST(RecordingFaults, CountsTheSamplesThatWereLost) {
   }
 }
 
+// A mean is alike in any place: it tells nothing of where a period is, nor which channel excites.
+TEST(RecordingFaults, CountsTheSamplesThatWereLostBesideAMean) {
+  auto data = recorded_on(one_mode());
+  data.inputs.resize(2);
+  data.inputs[1].name = "supply";
+  const double mean = 100.0 * data.records.front().inputs.cwiseAbs().maxCoeff();
+  for (auto& record : data.records) {
+    record.inputs.conservativeResize(Eigen::NoChange, 2);
+    record.inputs.col(0).array() += mean;
+    record.inputs.col(1).setConstant(7.3 * mean);
+  }
+  EXPECT_TRUE(recording_faults(data).lost.empty());
+  auto& inputs = data.records[1].inputs;
+  const Eigen::Index at = 2 * 512 + 100;
+  const Eigen::MatrixXd rest = inputs.bottomRows(inputs.rows() - at - 7);
+  inputs.middleRows(at, rest.rows()) = rest;
+  const auto faults = recording_faults(data);
+  ASSERT_EQ(faults.lost.size(), 1U);
+  EXPECT_NE(faults.lost.front().find("7 samples early"), std::string::npos) << faults.lost.front();
+  // What is constant excites nothing, and is nowhere out of place.
+  for (auto& record : data.records) record.inputs.col(0).setConstant(mean / 3.0);
+  EXPECT_TRUE(recording_faults(data).lost.empty());
+}
+
+TEST(DataQuality, HasNoBandWithoutResponses) {
+  auto set = frf_estimate(recorded_on(one_mode())).set;
+  set.outputs.clear();
+  for (auto* lines : {&set.variance, &set.noise_variance}) {
+    for (auto& line : *lines) line.resize(0, 1);
+  }
+  for (auto& line : set.value) line.resize(0, 1);
+  EXPECT_TRUE(band_qualities(set).empty());
+  EXPECT_EQ(trusted_bands(set, band_qualities(set)), "");
+}
+
 TEST(DataQuality, TrustsTheBandWhereTheResponseStandsOutOfTheNoise) {
   const auto estimate = frf_estimate(recorded_on(one_mode(), ExcitedLines::all, 6));
   const auto bands = band_qualities(estimate.set);
@@ -154,6 +189,17 @@ TEST(PeriodDrift, IsSeenAndSized) {
   const auto drift = period_drift(excited_part(spectra(data), options), 1);
   ASSERT_EQ(drift.size(), 1U);
   EXPECT_NEAR(drift.front().relative, 0.06 * 4.0 / 5.0, 0.01);  // from the second period on
+}
+
+TEST(PeriodDrift, IsNotThatOfAnOutputOfZeros) {
+  auto data = recorded_on(one_mode());
+  data.outputs.resize(2);
+  data.outputs[1].name = "dead";
+  for (auto& record : data.records) {
+    record.outputs.conservativeResize(Eigen::NoChange, 2);
+    record.outputs.col(1).setZero();
+  }
+  EXPECT_TRUE(period_drift(excited_part(spectra(data), {}), 1).empty());
 }
 
 }  // namespace

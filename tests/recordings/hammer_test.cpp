@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "modal/state_space.h"
 #include "tests/recordings/rigs.h"
+#include "tests/refusal.h"
 
 namespace chladni::recordings {
 namespace {
@@ -158,6 +159,19 @@ TEST(Hammer, RefusesRecordsThatDoNotFit) {
   data = struck(2.0);
   data.records[0].inputs.setZero();
   EXPECT_THROW((void)hammer_estimate(data), InvalidInput);
+}
+
+TEST(Hammer, RefusesRecordsOfOneSideByItsName) {
+  auto data = struck(2.0);
+  data.outputs.clear();
+  data.records[0].outputs.resize(data.records[0].outputs.rows(), 0);
+  EXPECT_EQ(refusal_of([&] { return hammer_estimate(data); }),
+            "hammer: no output (sensor) among the channels, 1 input; expected one or more of both");
+  data = struck(2.0);
+  data.inputs.clear();
+  data.records[0].inputs.resize(data.records[0].inputs.rows(), 0);
+  EXPECT_NE(refusal_of([&] { return hammer_estimate(data); }).find("hammer: no input (force"),
+            std::string::npos);
 }
 
 }  // namespace

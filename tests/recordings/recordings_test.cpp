@@ -7,6 +7,7 @@
 
 #include "recordings/closed_loop.h"
 #include "tests/recordings/rigs.h"
+#include "tests/refusal.h"
 
 namespace chladni::recordings {
 namespace {
@@ -91,6 +92,44 @@ TEST(Recordings, GiveTheSameEstimateInALoop) {
     expect_same(periodic_estimate(in_pieces(data, reading), options).estimate,
                 closed_loop_estimate(data, options).estimate);
     EXPECT_EQ(reading.most, data.period);
+  }
+}
+
+TEST(Recordings, WantAReferenceForEachInputAsTheWholeDoes) {
+  for (const Index references : {1, 3}) {
+    auto data = recorded_data(1, 4);
+    data.references = channels("r", references);
+    for (auto& record : data.records) {
+      record.references = record.inputs.col(0).replicate(1, references);
+    }
+    for (const bool remove : {true, false}) {
+      const auto options = options_with(remove);
+      Reading reading;
+      const auto found =
+          refusal_of([&] { return periodic_estimate(in_pieces(data, reading), options); });
+      EXPECT_NE(found.find("references for 2 inputs"), std::string::npos) << found;
+      EXPECT_EQ(found, refusal_of([&] { return closed_loop_estimate(data, options); }));
+    }
+  }
+}
+
+// Without outputs, or without inputs.
+TEST(Recordings, OfOneSideAreRefusedByItsName) {
+  for (const bool no_outputs : {true, false}) {
+    auto data = recorded_data(1, 4);
+    (no_outputs ? data.outputs : data.inputs).clear();
+    for (auto& record : data.records) {
+      auto& side = no_outputs ? record.outputs : record.inputs;
+      side.resize(side.rows(), 0);
+    }
+    Reading reading;
+    const auto found =
+        refusal_of([&] { return periodic_estimate(in_pieces(data, reading), options_with(true)); });
+    EXPECT_EQ(found.find(no_outputs ? "FRF estimate: no output (sensor)"
+                                    : "FRF estimate: no input (force"),
+              0U)
+        << found;
+    EXPECT_EQ(found, refusal_of([&] { return frf_estimate(data, options_with(true)); }));
   }
 }
 

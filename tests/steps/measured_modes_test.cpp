@@ -16,6 +16,7 @@
 #include "rotation/turn.h"
 #include "show/diagnosis.h"
 #include "steps/diagnosis.h"
+#include "steps/identification.h"
 #include "tests/app/quiet_run.h"
 #include "tests/refusal.h"
 
@@ -339,6 +340,25 @@ TEST_F(MeasuredModes, OfTheStudyItselfAskForNothing) {
   EXPECT_EQ(one.result.verdict, Verdict::no_discrepancy) << shown_;
   EXPECT_FALSE(one.extended);
   EXPECT_TRUE(std::isnan(one.result.modes.front().mac_before));
+}
+
+using MeasuredRecordings = MeasuredModes;
+
+// Without a period they are blows of a hammer.
+TEST_F(MeasuredRecordings, OfOneSideAreRefusedByTheirFile) {
+  const std::pair<const char*, const char*> wrong[] = {
+      {"time_s,a1\n0,1\n1,2\n", "no output (sensor) among the channels, 1 input"},
+      {"time_s,s1\n0,1\n1,2\n", "no input (force, command) among the channels, 1 output"},
+      {"time_s,period,a1\n0,0,1\n1,0,2\n2,0,3\n3,0,1\n", "no output (sensor)"}};
+  for (const auto& [text, what] : wrong) {
+    write("recorded.csv", text);
+    auto study = study_of("modes.csv");
+    study.measurement->modes_file.clear();
+    study.measurement->time = folder_.path() / "recorded.csv";
+    stage::Work work;
+    const auto found = refusal_of([&] { return measured_frfs(study, work); });
+    EXPECT_PRED2(says, found, std::string("recorded.csv: ") + what);
+  }
 }
 
 }  // namespace

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "base/error.h"
+#include "io/uff/time_uff.h"
 #include "io/uff/uff.h"
 #include "tests/io/measured/frf_samples.h"
 #include "tests/io/measured/uff_samples.h"
@@ -46,6 +48,43 @@ TEST(FrfUff, UnitsOfTheFileBecomeSi) {
     EXPECT_EQ(file.set.inputs[0].unit, c.input_si);
     EXPECT_NEAR(file.set.value[0](0, 0).real(), 1.5 * c.factor, 1e-9 * c.factor);
     EXPECT_EQ(static_cast<int>(file.notes.size()), c.notes) << testing::PrintToString(file.notes);
+  }
+}
+
+// Radians have no unit of length, whatever the file says of its lengths.
+TEST(FrfUff, RotationsAreInRadians) {
+  struct Case {
+    int ordinate, direction;
+    const char *unit, *si;
+    double factor;
+    int notes;
+  };
+  const Case cases[] = {
+      {8, 4, "NONE", "rad", 1.0, 0},
+      {11, -5, "NONE", "rad/s", 1.0, 0},
+      {12, 6, "NONE", "rad/s^2", 1.0, 0},
+      {12, 6, "(RAD/S2)", "rad/s^2", 1.0, 0},
+      {8, 4, "deg", "rad", std::numbers::pi / 180.0, 0},
+      {12, 6, "mm/s^2", "rad/s^2", 1.0, 1},  // of the file, not of a rotation: said
+      {0, 6, "mm/s^2", "rad/s^2", 1.0, 1},
+      {0, 6, "V", "V", 1.0, 0},
+  };
+  for (const auto& c : cases) {
+    Sample58 sample;
+    sample.ordinate = c.ordinate;
+    sample.unit = c.unit;
+    sample.response_direction = c.direction;
+    SCOPED_TRACE(fmt::format("{} {}", c.ordinate, c.unit));
+    const auto file = parse_frf_uff(dataset_164(1000.0, 1.0) + dataset_58(sample), "t.uff");
+    EXPECT_EQ(file.set.outputs[0].unit, c.si);
+    EXPECT_NEAR(file.set.value[0](0, 0).real(), 1.5 * c.factor, 1e-9);
+    EXPECT_EQ(static_cast<int>(file.notes.size()), c.notes) << testing::PrintToString(file.notes);
+    sample.function_type = 1;
+    sample.ordinate_type = 4;
+    const auto time = parse_time_uff(dataset_164(1000.0, 1.0) + dataset_58(sample), "t.uff");
+    EXPECT_EQ(time.data.outputs[0].unit, c.si);
+    EXPECT_NEAR(time.data.records[0].outputs(0, 0), 1.5 * c.factor, 1e-9);
+    EXPECT_EQ(static_cast<int>(time.notes.size()), c.notes) << testing::PrintToString(time.notes);
   }
 }
 

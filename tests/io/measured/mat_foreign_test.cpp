@@ -5,6 +5,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <numbers>
+#include <string>
+#include <vector>
 
 #include "base/draw.h"
 #include "base/error.h"
@@ -109,6 +112,49 @@ TEST_F(Mat, NumbersThatNoInstrumentGivesAreRefused) {
   }
   put(file.path, version_5({doubles("Ts", {1, 1}, {0.1}), doubles("y", {2, 1}, {1.0, 1e200})}));
   EXPECT_THROW((void)read_time(file.path), InvalidInput);
+}
+
+TEST_F(Mat, ReadsEveryUnitOfFrequencyThatMatlabHas) {
+  const TemporaryFile file("units.mat");
+  const auto read = [&](const std::string& unit, const std::string& time) {
+    put(file.path, version_5({doubles("ResponseData", {1, 1, 2}, {1, 2}, {3, 4}),
+                              doubles("Frequency", {2, 1}, {10.0, 20.0}),
+                              characters("FrequencyUnit", unit), characters("TimeUnit", time)}));
+    return read_frf(file.path).set.frequency_hz(1) / 20.0;
+  };
+  const double turn = 2.0 * std::numbers::pi;
+  EXPECT_DOUBLE_EQ(read("rpm", "seconds"), 1.0 / 60.0);
+  EXPECT_DOUBLE_EQ(read("MHz", "seconds"), 1e6);
+  EXPECT_DOUBLE_EQ(read("cycles/TimeUnit", "minutes"), 1.0 / 60.0);
+  EXPECT_DOUBLE_EQ(read("rad/TimeUnit", "milliseconds"), 1e3 / turn);
+  EXPECT_DOUBLE_EQ(read("rad/minute", "seconds"), 1.0 / 60.0 / turn);
+  EXPECT_DOUBLE_EQ(read("rad/s", "seconds"), 1.0 / turn);
+  EXPECT_NE(refusal_of([&] { (void)read("furlongs", "seconds"); }).find("FrequencyUnit"),
+            std::string::npos);
+  EXPECT_NE(refusal_of([&] { (void)read("rad/TimeUnit", "years"); }).find("years"),
+            std::string::npos);
+}
+
+// Samples that another variable counts otherwise are not channels.
+TEST_F(Mat, RecordingsOfDifferentLengthsAreRefused) {
+  const TemporaryFile file("lengths.mat");
+  const auto refused = [&](std::vector<int> y, std::vector<int> u) {
+    const auto numbers = [](const std::vector<int>& dims) {
+      int count = 1;
+      for (const int dim : dims) count *= dim;
+      return std::vector<double>(static_cast<std::size_t>(count), 0.5);
+    };
+    put(file.path, version_5({doubles("y", y, numbers(y)), doubles("u", u, numbers(u)),
+                              doubles("sample_time", {1, 1}, {0.001})}));
+    return refusal_of([&] { return read_time(file.path); });
+  };
+  EXPECT_EQ(refused({8, 2}, {8, 1}), "");
+  EXPECT_EQ(refused({8, 2}, {1, 8}), "");
+  EXPECT_EQ(refused({8, 2, 3}, {8, 1, 3}), "");
+  for (const auto& said : {refused({8, 1}, {1, 16}), refused({8, 2}, {8, 2, 3}),
+                           refused({2, 8}, {1, 8}), refused({8, 2, 3}, {8, 1, 6})}) {
+    EXPECT_NE(said.find("expected"), std::string::npos) << said;
+  }
 }
 
 }  // namespace

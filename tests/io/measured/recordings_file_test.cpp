@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "io/bytes/room.h"
 #include "io/measured/measured_format.h"
+#include "io/measured/time_columns.h"
 #include "io/uff/time_uff.h"
 #include "tests/io/measured/gzipped.h"
 #include "tests/refusal.h"
@@ -185,6 +186,56 @@ TEST_F(RecordingsInPieces, AreReadWithLongRecords) {
   EXPECT_EQ(found, refusal_of([&] { return parse_time_csv(without, file.string()); }));
 }
 
+// What is wrong with the time, at the borders of blocks and in their midst.
+TEST_F(RecordingsInPieces, WithAWrongTimeAreRefusedWithTheSameWords) {
+  using Wrong = std::pair<const char*, double (*)(int)>;  // what is said, samples after the fault
+  const Wrong faults[] = {{"are missing before it", [](int after) { return after + 2.0; }},
+                          {"changes from 1 to 2 Hz", [](int after) { return 0.5 * (after - 1); }},
+                          {"does not ascend", [](int after) { return after - 1.0; }},
+                          {"begins anew", nullptr}};
+  for (const int at : {10, 65'535, 65'536, 65'537}) {
+    for (const auto& [what, later] : faults) {
+      std::string text = "time_s,y1\n";
+      for (int n = 0; n < 140'000; ++n) {
+        const double time = n < at ? n : later == nullptr ? n - at : at + later(n - at);
+        text += std::to_string(time) + ",1\n";
+      }
+      const auto file = write(text);
+      const auto found = refusal_of([&] { return read_in_pieces(file); });
+      EXPECT_NE(found.find("line " + std::to_string(at + 2) + ": time_s"), std::string::npos)
+          << found;
+      EXPECT_NE(found.find(what), std::string::npos) << found;
+      EXPECT_EQ(found, refusal_of([&] { return parse_time_csv(text, file.string()); }));
+    }
+  }
+}
+
+// A fault far inside is found without the whole column in memory.
+TEST(RecordedTimes, AreLookedAtAFewAtATime) {
+  Eigen::Index most = 0;
+  const RecordedTimes time{.file = "t.csv",
+                           .name = "time_s",
+                           .samples = 300'000,
+                           .times =
+                               [&](Eigen::Index first, Eigen::Index count) {
+                                 most = std::max(most, count);
+                                 Eigen::VectorXd some(count);
+                                 for (Eigen::Index i = 0; i < count; ++i) {
+                                   const auto n = first + i;
+                                   some(i) = static_cast<double>(n < 200'000 ? n : n + 1);
+                                 }
+                                 return some;
+                               },
+                           .line = [](Eigen::Index row) { return static_cast<int>(row) + 2; }};
+  EXPECT_EQ(refusal_of([&] {
+              check_steps(time, step_of(time));
+              return 0;
+            }),
+            "t.csv: line 200002: time_s is 200001: 1 sample is missing before it; expected one "
+            "step from sample to sample");
+  EXPECT_LE(most, 65'537);
+}
+
 TEST_F(RecordingsInPieces, AreReadSoWhereTheWholeIsTooLarge) {
   const auto file = write(text_of(2, 1024));
   const auto size = static_cast<std::size_t>(fs::file_size(file));
@@ -205,18 +256,27 @@ TEST_F(RecordingsInPieces, AreUnpackedWhileTheyAreRead) {
   const auto half = text.find('\n', text.size() / 2) + 1;
   for (const auto& packed :
        {gzipped(text), gzipped(text.substr(0, half)) + gzipped(text.substr(half)),
-        gzipped(text.substr(0, half + 7)) + gzipped(text.substr(half + 7)) + gzipped("")}) {
+        gzipped(text.substr(0, half + 7)) + gzipped(text.substr(half + 7)) + gzipped(""),
+        gzipped(text) + std::string(512, '\0'), gzipped(text) + std::string(700'000, '\0'),
+        gzipped(text.substr(0, half)) + std::string(9, '\0') + gzipped(text.substr(half))}) {
     expect_same(read_in_pieces(write(packed)), parse_time_csv(text, ""));
   }
 }
 
 TEST_F(RecordingsInPieces, AreRefusedWhereTheyAreDamagedOrCutOff) {
   const auto packed = gzipped(text_of(2, 1024));
+  const char* behind = "has bytes after its end that are no gzip file";
+  auto other_length = packed;  // the last four bytes are the length
+  other_length.back() ^= 1;
   auto damaged = packed;
   for (std::size_t i = 0; i < 8; ++i) damaged[damaged.size() / 2 + i] ^= 0x55;
-  for (const auto& [bytes, what] : {std::pair(packed.substr(0, packed.size() / 2), "is cut off"),
-                                    std::pair(packed.substr(0, packed.size() - 4), "is cut off"),
-                                    std::pair(packed + "more", "is damaged")}) {
+  for (const auto& [bytes, what] :
+       {std::pair(packed.substr(0, packed.size() / 2), "is cut off"),
+        std::pair(packed.substr(0, packed.size() - 4), "is cut off"),
+        std::pair(packed + "more", behind), std::pair(packed + "\x1Fmore", behind),
+        std::pair(packed + std::string(99, '\0') + "m", behind),
+        std::pair(packed + packed.substr(0, 40), "is cut off"),
+        std::pair(other_length, "is damaged")}) {
     const auto file = write(bytes);
     const auto found = refusal_of([&] { return read_in_pieces(file); });
     EXPECT_EQ(found, file.string() + ": gzip: the file " + what);
@@ -235,7 +295,7 @@ TEST_F(RecordingsInPieces, AreThoseOfAUniversalFile) {
     for (const auto& unit : {"", "mm"}) {
       for (const bool packed : {false, true}) {
         const TimeOptions options{.unit = unit};
-        std::ofstream(file, std::ios::binary) << (packed ? gzipped(text) : text);
+        std::ofstream(file, std::ios::binary) << (packed ? gzipped("\xEF\xBB\xBF" + text) : text);
         expect_same(read_in_pieces(file, options), parse_time_uff(text, "", options));
       }
     }

@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 
 #include "base/draw.h"
 #include "base/error.h"
 #include "io/uff/time_uff.h"
 #include "tests/io/measured/frf_samples.h"
+#include "tests/refusal.h"
 
 namespace chladni::io {
 namespace {
@@ -75,6 +77,46 @@ TEST(TimeFile, UffReadsBackWhatItWroteToTheLastBit) {
   EXPECT_EQ(found.outputs[0].unit, "m/s");
   EXPECT_EQ(found.outputs[0].kind, modal::FrfKind::mobility);
   EXPECT_EQ(found.inputs[0].unit, "N");
+}
+
+// A record ends in a table where its numbers do.
+TEST(TimeFile, CsvTellsBlowsApartThatHaveTheSameNumbers) {
+  auto data = random_recordings();
+  for (auto& record : data.records) record.experiment = record.realisation = 0;
+  EXPECT_NE(refusal_of([&] {
+              return time_csv(data);
+            }).find("two neighbouring recordings of experiment 0 and realisation 0"),
+            std::string::npos);
+  data.period = 0;
+  const auto found = parse_time_csv(time_csv(data), "t.csv").data;
+  ASSERT_EQ(found.records.size(), 4U);
+  for (std::size_t r = 0; r < 4; ++r) {
+    EXPECT_EQ(found.records[r].outputs, data.records[r].outputs);
+    EXPECT_EQ(found.records[r].experiment, 0);
+    EXPECT_EQ(found.records[r].realisation, static_cast<int>(r));
+  }
+}
+
+// The version is the realisation, as long as no channel has two functions of one version.
+TEST(TimeFile, UffRealisationsAreAllDifferent) {
+  auto data = random_recordings();
+  const auto read_back = [&](const std::array<int, 4>& versions) {
+    for (std::size_t r = 0; r < 4; ++r) {
+      data.records[r].experiment = 0;
+      data.records[r].realisation = versions[r];
+    }
+    std::vector<int> found;
+    const auto back = parse_time_uff(time_uff(data, UffEncoding::binary), "t.uff").data;
+    for (std::size_t r = 0; r < back.records.size(); ++r) {
+      EXPECT_EQ(back.records[r].outputs, data.records[r].outputs);
+      found.push_back(back.records[r].realisation);
+    }
+    return found;
+  };
+  EXPECT_EQ(read_back({1, 3, 4, 7}), (std::vector<int>{1, 3, 4, 7}));
+  EXPECT_EQ(read_back({1, 1, 2, 7}), (std::vector<int>{0, 1, 2, 3}));
+  EXPECT_EQ(read_back({5, 5, 5, 6}), (std::vector<int>{0, 1, 2, 3}));
+  EXPECT_EQ(read_back({-1, 0, 2, 3}), (std::vector<int>{0, 1, 2, 3}));
 }
 
 TEST(TimeFile, NamesTellTheSide) {
@@ -145,6 +187,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadRecord{"time_s,y1\n0,1\n1,\n", "line 3: y1 is empty"},
         BadRecord{"time_s,experiment,y1\n0,0.5,1\n1,0,2\n", "line 2: experiment is 0.5"},
         BadRecord{"time_s,experiment,y1\n0,,1\n1,0,2\n", "line 2: experiment is"},
+        BadRecord{"time_s,experiment,y1\n0,20240115,1\n1,0,2\n",
+                  "line 2: experiment is 20240115, expected a whole number from 0 to 1000000"},
+        BadRecord{"time_s,realisation,y1\n0,-1,1\n1,0,2\n",
+                  "realisation is -1, expected a whole number from 0"},
         BadRecord{"time_s,experiment,y1\n0,0,1\n1,0,2\n,1,3\n", "line 4: time_s is empty"},
         BadRecord{"time_s,time,y1\n0,0,1\n1,0,2\n", "two columns"},
         BadRecord{"time_s,y1,out_y1\n0,0,1\n1,0,2\n", "two columns of the channel"},
@@ -205,6 +251,25 @@ TEST(TimeFile, NamesMissingSamplesAndAnotherRate) {
       refusal(faster).find("line 27: time_s is 0.245: the sample rate changes from 100 to 200 Hz"),
       std::string::npos)
       << refusal(faster);
+  // Blows one after the other without a number of their own, and clocks that stand still.
+  std::vector<double> anew, still, back;
+  for (int n = 0; n < 40; ++n) {
+    anew.push_back(0.01 * (n % 20));
+    still.push_back(0.01 * (n < 20 ? n : n - 1));
+    back.push_back(0.01 * (n < 20 ? n : n - 4));
+  }
+  const std::string tell_apart =
+      "the time begins anew; give each recording its own experiment or realisation";
+  EXPECT_EQ(refusal(anew), "t.csv: line 22: time_s is 0: " + tell_apart);
+  EXPECT_EQ(refusal({0.0, 1.0, 2.0, 0.0}), "t.csv: line 5: time_s is 0: " + tell_apart);
+  for (const auto& [times, place] :
+       {std::pair(still, "line 22: time_s is 0.19"), std::pair(back, "line 22: time_s is 0.16"),
+        std::pair(std::vector{0.0, 0.0, 0.0, 1.0, 1.0}, "line 3"),
+        std::pair(std::vector{3.0, 2.0, 1.0}, "line 3")}) {
+    EXPECT_NE(refusal(times).find(place), std::string::npos) << refusal(times);
+    EXPECT_NE(refusal(times).find(": the time does not ascend"), std::string::npos)
+        << refusal(times);
+  }
 }
 
 }  // namespace

@@ -215,6 +215,32 @@ TEST(UffSystems, RecordingsOfOneNameAreTheirDegreesOfFreedom) {
   EXPECT_EQ(one.records.size(), 2U);
 }
 
+TEST(UffSystems, ANameOfASensorAndAnActuatorHasTheSideOfTheFile) {
+  Sample58 motion;
+  motion.function_type = 1;
+  motion.ordinate_type = 4;
+  motion.response_name = "pair";
+  Sample58 force = motion;
+  force.ordinate = 13;
+  force.unit = "N";
+  TimeOptions options;
+  options.sensor_names = {"pair", "other"};
+  options.actuator_names = {"pair"};
+  const auto bytes = dataset_58(motion) + dataset_58(force);
+  const auto found = parse_time_uff(bytes, "t.uff", options).data;
+  ASSERT_EQ(found.outputs.size(), 1U);
+  ASSERT_EQ(found.inputs.size(), 1U);
+  EXPECT_EQ(found.outputs[0].name, "pair");
+  EXPECT_EQ(found.inputs[0].name, "pair");
+  EXPECT_EQ(found.records.size(), 1U);
+  // What the file says itself counts more than the type.
+  const auto back = parse_time_uff(time_uff(found, UffEncoding::binary), "t.uff", options).data;
+  EXPECT_EQ(back.outputs.size(), 1U);
+  EXPECT_EQ(back.inputs.size(), 1U);
+  options.actuator_names.clear();
+  EXPECT_EQ(parse_time_uff(bytes, "t.uff", options).data.inputs.size(), 0U);
+}
+
 TEST(UffSystems, RecordingsAreTurnedToo) {
   const Matrix3d axes = turn();
   Sample58 z;

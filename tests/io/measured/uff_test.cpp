@@ -9,7 +9,9 @@
 
 #include "base/draw.h"
 #include "base/error.h"
+#include "io/scan.h"
 #include "io/uff/frf_uff.h"
+#include "io/uff/uff_fields.h"
 #include "io/uff/uff_lines.h"
 #include "tests/io/measured/frf_samples.h"
 #include "tests/io/measured/uff_samples.h"
@@ -171,6 +173,58 @@ TEST(Uff, BlankLinesAndAMissingEndAreTolerated) {
   // The closing -1 of one dataset is missing in the middle: the next opens at once.
   auto two = bytes.substr(0, bytes.rfind("    -1")) + bytes;
   EXPECT_EQ(parse_uff(two, "t.uff").functions.size(), 2U);
+}
+
+TEST(Uff, AByteOrderMarkTakesNoDatasetAway) {
+  const auto bytes = dataset_58({});
+  const auto uff = parse_uff("\xEF\xBB\xBF" + bytes, "t.uff");
+  expect_sample(uff, {});
+  EXPECT_TRUE(uff.notes.empty()) << testing::PrintToString(uff.notes);
+}
+
+TEST(Uff, BlankLinesMayStandBeforeTheEndOfEveryDataset) {
+  const std::string node_15 =
+      "    -1\n    15\n"
+      "         1         0         0        11  1.00000E+02  2.00000E+02  0.00000E+00\n";
+  const auto with_lines = [](const std::string& number, int node) {
+    return "    -1\n" + number + "\n" + fmt::format("{:10}", node) +
+           "         0         0        11\n"
+           "   1.5000000000000000D+02   0.0000000000000000D+00  -2.0000000000000000D+01\n";
+  };
+  const std::string element =
+      "    -1\n  2412\n"
+      "         1        91         1         1         7         3\n"
+      "         1         2         3\n";
+  for (const char* blank : {"\n", "   \n\n", "\t\r\n"}) {
+    const auto end = std::string(blank) + "    -1\n";
+    const auto uff = parse_uff(node_15 + end + with_lines("  2411", 2) + end +
+                                   with_lines("   781", 3) + end + element + end + dataset_58({}),
+                               "t.uff");
+    EXPECT_EQ(uff.nodes.size(), 3U);
+    EXPECT_EQ(uff.nodes.at(3), Eigen::Vector3d(150.0, 0.0, -20.0));
+    EXPECT_EQ(uff.elements.size(), 1U);
+    EXPECT_TRUE(uff.notes.empty()) << testing::PrintToString(uff.notes);
+    expect_sample(uff, {});
+  }
+}
+
+// Fortran's E13.5 takes the last five digits of a number without a point for decimals.
+TEST(Uff, NumbersOfThirteenColumnsHaveAPoint) {
+  for (const double value : {1e-05, -1e-05, 1e22, -5e-324, 3e-100, 0.0, 1.0, -123456.0, 0.015625,
+                             1.234567e-05, -1.25e-07}) {
+    const auto text = in_13(value);
+    EXPECT_EQ(text.size(), 13U) << text;
+    EXPECT_EQ(text.front(), ' ') << text;
+    EXPECT_NE(text.find('.'), std::string::npos) << text;
+    EXPECT_EQ(number_in(trimmed(text)), value) << text;
+  }
+  EXPECT_EQ(in_13(1e-05), "       1.E-05");
+  for (const double value : {1.00000000000003e-05, 299999999999.9, -1.99999999999999e-300}) {
+    const auto text = in_13(value);  // rounded, so that it fits
+    EXPECT_EQ(text.size(), 13U) << text;
+    EXPECT_NE(text.find('.'), std::string::npos) << text;
+    EXPECT_NEAR(number_in(trimmed(text)).value_or(0.0) / value, 1.0, 1e-5) << text;
+  }
 }
 
 TEST(Uff, ReadsHeadNodesAndPassesOverOthers) {
