@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numbers>
+#include <string>
 
 #include "base/error.h"
 #include "io/matlab/mat_names.h"
@@ -28,6 +31,36 @@ struct Layout {
     return k * line_step + i * output_step + j * input_step;
   }
 };
+
+// Hz of a unit of frequency as MATLAB names them: rpm, kHz, rad/s, cycles/TimeUnit, rad/minute.
+double hz_of(const std::string& unit, const std::string& time_unit) {
+  static const std::map<std::string, double, std::less<>> plain{
+      {"HZ", 1.0}, {"KHZ", 1e3}, {"MHZ", 1e6}, {"GHZ", 1e9}, {"RPM", 1.0 / 60.0}};
+  static const std::map<std::string, double, std::less<>> seconds{{"", 1.0},
+                                                                  {"S", 1.0},
+                                                                  {"SECOND", 1.0},
+                                                                  {"MILLISECOND", 1e-3},
+                                                                  {"MICROSECOND", 1e-6},
+                                                                  {"NANOSECOND", 1e-9},
+                                                                  {"MINUTE", 60.0},
+                                                                  {"HOUR", 3600.0},
+                                                                  {"DAY", 86400.0}};
+  const auto text = upper(unit);
+  if (const auto found = plain.find(text); found != plain.end()) return found->second;
+  const auto slash = text.find('/');
+  const auto turns = text.substr(0, slash);
+  if (slash != std::string::npos && (turns == "RAD" || turns == "CYCLES")) {
+    auto per = text.substr(slash + 1);
+    if (per == "TIMEUNIT") per = upper(time_unit);
+    if (per.size() > 1 && per.back() == 'S') per.pop_back();  // seconds
+    if (const auto found = seconds.find(per); found != seconds.end()) {
+      return (turns == "RAD" ? 1.0 / (2.0 * std::numbers::pi) : 1.0) / found->second;
+    }
+  }
+  throw InvalidInput("FrequencyUnit is \"" + unit + "\"" +
+                     (time_unit.empty() ? "" : " with TimeUnit \"" + time_unit + "\"") +
+                     "; expected one such as rad/s, Hz, kHz, rpm or rad/minute");
+}
 
 class Reader {
  public:
@@ -96,10 +129,10 @@ class Reader {
     const auto unit =
         mat_texts(mat_value(fields_, {"FrequencyUnit", "frequency_unit"}), "FrequencyUnit");
     if (mat_value(fields_, {"ResponseData"}) != nullptr) per_second = true;  // MATLAB's default
-    if (!unit.empty()) per_second = upper(unit.front()).starts_with("RAD");
-    double factor = per_second ? 1.0 / (2.0 * std::numbers::pi) : 1.0;
-    if (!unit.empty() && upper(unit.front()) == "KHZ") factor = 1e3;
-    file_.set.frequency_hz *= factor;
+    const auto time = mat_texts(mat_value(fields_, {"TimeUnit"}), "TimeUnit");
+    file_.set.frequency_hz *= unit.empty() || unit.front().empty()
+                                  ? (per_second ? 1.0 / (2.0 * std::numbers::pi) : 1.0)
+                                  : hz_of(unit.front(), time.empty() ? "" : time.front());
     const auto& f = file_.set.frequency_hz;
     require(f.size() > 0, "there are no frequencies: the vector is empty");
     for (Index k = 0; k < f.size(); ++k) {

@@ -59,6 +59,10 @@ class RecordReader {
                        : mat_value(fields_, {"r", "references", "reference"});
   }
 
+  static Index samples_of(const MatValue& value) {
+    return value.dims[0] == 1 && value.dims.size() == 2 ? value.dims[1] : value.dims[0];
+  }
+
   // Finds the numbers of samples and records from the first variable with values, y before the
   // others. All sides share them. A row counts as one channel.
   void find_size() {
@@ -68,7 +72,7 @@ class RecordReader {
       require(value->kind == MatValue::Kind::number && value->dims.size() <= 3,
               std::string(kVariable[s]) + " is a " + value->class_name + " of " + mat_size(*value) +
                   ", expected samples x channels x records");
-      samples_ = value->dims[0] == 1 && value->dims.size() == 2 ? value->dims[1] : value->dims[0];
+      samples_ = samples_of(*value);
       records_ = value->dims.size() == 3 ? value->dims[2] : 1;
       return;
     }
@@ -86,8 +90,8 @@ class RecordReader {
                     "): " + not_measurable(numbers(n)));
       }
       const Index each = samples_ * records_;
-      const bool fits =
-          value->dims[0] == samples_ || (value->dims[0] == 1 && value->dims.size() == 2);
+      const bool fits = samples_of(*value) == samples_ && value->dims.size() <= 3 &&
+                        (value->dims.size() < 3 || value->dims[2] == records_);
       require(fits && numbers.size() % each == 0, std::string(kVariable[side]) + " is " +
                                                       mat_size(*value) + ", expected " +
                                                       fmt::to_string(samples_) + " samples of " +
