@@ -19,12 +19,17 @@ struct CollocatedPair {
   /// Shapes of a simulation at both places, m entries each in the order of the fit's modes. Empty:
   /// both are at one place. Else each keeps its own row.
   Eigen::VectorXd at_output, at_input;
+  /// −1: the channels state opposite directions, so that a shape has opposite values at them. The
+  /// simulated shapes are along the stated directions and need no sign.
+  int sign = 1;
 
   [[nodiscard]] bool is_one_place() const { return at_output.size() == 0 && at_input.size() == 0; }
 };
 
-/// Pairs each output with the nearest input within `within_m`. The nearest pair comes first, and no
-/// channel occurs twice. Channels without a position are left out.
+/// Pairs each output with the nearest input within `within_m` that acts along the same line, in its
+/// direction or against it. Distances are seen along that line: a sensor and an actuator on the two
+/// faces of a plate are in one place. The nearest pair comes first, and no channel occurs twice.
+/// Channels without a position are left out. A direction that is not stated is any.
 [[nodiscard]] std::vector<CollocatedPair> collocated_pairs(
     const std::vector<modal::MeasuredChannel>& outputs,
     const std::vector<modal::MeasuredChannel>& inputs, double within_m);
@@ -78,7 +83,8 @@ struct ModeMatch {
   Eigen::Index freedoms = 0;  ///< its degrees of freedom
 };
 
-/// True if the pairs (or places) of the mode contradict each other beyond what the fit's noise allows.
+/// True if the pairs (or places) of the mode contradict each other beyond what the fit's noise
+/// allows.
 [[nodiscard]] bool contradicted(const ModeMatch& mode);
 
 /// Gain of the sensor over the gain of the actuator, up to one factor for all pairs
@@ -106,6 +112,7 @@ struct GainMatch {
                                     ///< has the same rms on both sides, which is a guess
   Eigen::MatrixXd input_shapes;     ///< m×q [kg^-1/2], all actuators, in the scale of `shapes`
   Eigen::MatrixXd input_deviation;  ///< m×q
+  Eigen::MatrixXd residual;  ///< p×q: of the fit, in the signs and gains of the shapes; or empty
   /// Imaginary parts of complex shapes at the rows and at the actuators, n_z×m and m×q; empty for
   /// real shapes. The phase between both sides is the one at which the pairs agree.
   Eigen::MatrixXd imaginary, imaginary_deviation, input_imaginary;

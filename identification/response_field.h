@@ -14,21 +14,24 @@
 
 namespace chladni::identification {
 
-/// Modes of the fit that have a scale and are not rigid-body modes; others take no part in what is
-/// predicted between the channels.
+/// Rows of the match whose channels were measured: the deviation in some mode above 0 Hz is known.
+[[nodiscard]] std::vector<Eigen::Index> measured_rows(const ModalFit& fit, const GainMatch& match);
+
+/// Modes of the fit that have a scale, known at all of those rows, and are not rigid-body modes;
+/// others take no part in what is predicted between the channels.
 [[nodiscard]] std::vector<Eigen::Index> modes_with_scale(const ModalFit& fit,
                                                          const GainMatch& match);
 
-/// The shapes of those modes at the rows of the match. Their noise has the deviation of the fit and
-/// what the two sides of the pairs still differ by: errors of gains, places and neighbours, which
-/// the fit does not know.
-/// @param rows  places of the rows of the match
+/// The shapes of those modes at those rows of the match. Their noise has the deviation of the fit
+/// and what the two sides of the pairs still differ by: errors of gains, places and neighbours,
+/// which the fit does not know.
+/// @param rows  places of all rows of the match
 [[nodiscard]] priors::MeasuredShapes measured_shapes(const ModalFit& fit, const ChannelGains& gains,
                                                      const priors::Places& rows);
 
 /// The same shapes with all actuator rows changed by one standard deviation of the scale between
-/// them and the sensor rows; none if no scale is uncertain. The ratio of both is proportional to
-/// the square of the scale.
+/// them and the sensor rows; none if no scale is uncertain, or the shapes do not say their sides.
+/// The ratio of both is proportional to the square of the scale.
 [[nodiscard]] std::optional<priors::MeasuredShapes> with_scale_off(
     const GainMatch& match, const std::vector<Eigen::Index>& modes, priors::MeasuredShapes shapes);
 
@@ -41,7 +44,7 @@ struct FieldSimulation {
 
 /// Fitted residual over that of the simulation's modes above the band; 0 if these do not explain
 /// three tenths of it.
-[[nodiscard]] double residual_factor(const ModalFit& fit, const FieldSimulation& simulation);
+[[nodiscard]] double residual_factor(const GainMatch& match, const FieldSimulation& simulation);
 
 /// Standard deviation of the gain of a sensor that is in no pair, relative to that of the sensors
 /// that are: by how much the gains of the pairs differ beyond their deviations. 0 where they do not
@@ -72,7 +75,7 @@ class ResponseField {
  public:
   [[nodiscard]] const ModalFit& fit() const { return fit_; }
   [[nodiscard]] const ChannelGains& gains() const { return gains_; }
-  /// The shapes that are interpolated, at the channels.
+  /// The shapes that are interpolated, at the channels that were measured.
   [[nodiscard]] const priors::MeasuredShapes& shapes() const { return shapes_; }
 
   /// The responses from all actuators, with their deviations.

@@ -15,6 +15,12 @@ constexpr double kOpenScale = 0.7;  // deviation of ln α where the pairs alone 
 constexpr double kExplained = 0.3;  // part of the fitted residual that the simulation must explain
 constexpr double kBeyond = 1.05;    // simulated modes above this multiple of the band are residual
 
+// Whether a mode is known at both channels of a pair; it is not where one was not measured.
+bool knows_both(const GainMatch& match, const CollocatedPair& pair, Eigen::Index mode) {
+  return std::isfinite(match.deviation(pair.output, mode)) &&
+         std::isfinite(match.input_deviation(mode, pair.input));
+}
+
 // Remaining difference between the two sides of the pairs, for each mode. If the places of a pair
 // differ, it is the part that remains along the simulated shape at both places, because near a node
 // the ratio of the sides has no meaning.
@@ -26,11 +32,14 @@ Eigen::VectorXd pair_disagreement(const modal::ReducedModel& fit, const ChannelG
     const auto& mode = match.modes[static_cast<std::size_t>(m)];
     if (mode.by != MatchedBy::pairs) continue;
     double square = 0.0;
+    double known = 0.0;
     for (std::size_t c = 0; c < gains.pairs.size(); ++c) {
       const auto& pair = gains.pairs[c];
+      if (!knows_both(match, pair, m)) continue;
+      known += 1.0;
       const bool apart = !pair.is_one_place();
       const double at_input = apart ? pair.at_input(m) : 1.0;
-      const double at_output = apart ? pair.at_output(m) : 1.0;
+      const double at_output = apart ? pair.at_output(m) : pair.sign;
       // The part that the gains explain is corrected, on either side.
       const double gain = gains.corrects_gains ? match.pairs[c].ratio : 1.0;
       const double output = fit.output_shapes(pair.output, m) / mode.alpha / gain;
@@ -38,18 +47,20 @@ Eigen::VectorXd pair_disagreement(const modal::ReducedModel& fit, const ChannelG
       const double size = std::hypot(at_input, at_output);
       if (size > 0.0) square += std::pow((output * at_input - input * at_output) / size, 2);
     }
-    result(m) = std::sqrt(square / static_cast<double>(gains.pairs.size()));
+    result(m) = std::sqrt(square / std::max(known, 1.0));
   }
   return result;
 }
 
-// The rows as sides of a modal model. Rows of pairs that lie apart say themselves what the scale
-// between both sides is; rows of pairs at one place are one, and the pairs have said it.
-priors::BothSides both_sides(const ChannelGains& gains, const std::vector<Eigen::Index>& modes) {
+// Rows of a match as sides of a modal model. Rows of pairs that lie apart say themselves what the
+// scale between both sides is; rows of pairs at one place are one, and the pairs have said it.
+priors::BothSides both_sides(const ChannelGains& gains, const std::vector<Eigen::Index>& rows,
+                             const std::vector<Eigen::Index>& modes) {
   const auto& match = gains.match;
-  priors::BothSides sides{
-      {}, Eigen::VectorXd(std::ssize(modes)), match.deviation(Eigen::all, modes)};
-  for (const auto& row : match.rows) sides.actuator.push_back(row.actuator);
+  priors::BothSides sides{{}, Eigen::VectorXd(std::ssize(modes)), match.deviation(rows, modes)};
+  for (const auto row : rows) {
+    sides.actuator.push_back(match.rows[static_cast<std::size_t>(row)].actuator);
+  }
   const bool apart = std::ranges::none_of(
       gains.pairs, [](const CollocatedPair& pair) { return pair.is_one_place(); });
   for (std::size_t k = 0; k < modes.size(); ++k) {
@@ -79,10 +90,10 @@ Eigen::MatrixXd flexibility_above(const FieldSimulation& simulation,
 
 // Root mean square over the sensors, per actuator, of what the simulation's modes above the band
 // leave of the fitted residual.
-Eigen::RowVectorXd unexplained_residual(const ModalFit& fit, const FieldSimulation& simulation) {
+Eigen::RowVectorXd unexplained_residual(const GainMatch& match, const FieldSimulation& simulation) {
   const Eigen::MatrixXd left =
-      fit.model.residual -
-      residual_factor(fit, simulation) * flexibility_above(simulation, simulation.channels.outputs);
+      match.residual - residual_factor(match, simulation) *
+                           flexibility_above(simulation, simulation.channels.outputs);
   return left.colwise().norm() / std::sqrt(static_cast<double>(left.rows()));
 }
 
@@ -136,10 +147,21 @@ void require_places(const modal::FrfSet& responses, const priors::Simulation& si
 
 }  // namespace
 
+std::vector<Eigen::Index> measured_rows(const ModalFit& fit, const GainMatch& match) {
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < match.deviation.rows(); ++i) {
+    const auto flexible = match.deviation.row(i).tail(fit.flexible_count());
+    if (flexible.array().isFinite().any()) rows.push_back(i);
+  }
+  return rows;
+}
+
 std::vector<Eigen::Index> modes_with_scale(const ModalFit& fit, const GainMatch& match) {
+  const auto rows = measured_rows(fit, match);
   std::vector<Eigen::Index> modes;
-  for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
-    if (match.deviation.col(m).allFinite()) modes.push_back(m);
+  for (auto m = fit.model.rigid_count; m < fit.model.mode_count() && !rows.empty(); ++m) {
+    const bool is_scaled = match.modes[static_cast<std::size_t>(m)].by != MatchedBy::nothing;
+    if (is_scaled && match.deviation.col(m)(rows).allFinite()) modes.push_back(m);
   }
   return modes;
 }
@@ -147,11 +169,13 @@ std::vector<Eigen::Index> modes_with_scale(const ModalFit& fit, const GainMatch&
 priors::MeasuredShapes measured_shapes(const ModalFit& fit, const ChannelGains& gains,
                                        const priors::Places& rows) {
   const auto modes = modes_with_scale(fit, gains.match);
+  const auto measured = measured_rows(fit, gains.match);
   const Eigen::VectorXd doubt = pair_disagreement(fit.model, gains)(modes);
-  const Eigen::MatrixXd deviation = gains.match.deviation(Eigen::all, modes);
-  return {rows, fit.model.frequency_hz(modes), gains.match.shapes(Eigen::all, modes),
+  const Eigen::MatrixXd deviation = gains.match.deviation(measured, modes);
+  return {priors::part(rows, measured), fit.model.frequency_hz(modes),
+          gains.match.shapes(measured, modes),
           (deviation.cwiseAbs2().rowwise() + doubt.cwiseAbs2().transpose()).cwiseSqrt(),
-          both_sides(gains, modes)};
+          both_sides(gains, measured, modes)};
 }
 
 std::optional<priors::MeasuredShapes> with_scale_off(const GainMatch& match,
@@ -164,11 +188,10 @@ std::optional<priors::MeasuredShapes> with_scale_off(const GainMatch& match,
     const double relative = 2.0 * mode.alpha_std / mode.alpha;
     if (std::isfinite(relative)) factor(static_cast<Eigen::Index>(k)) += relative;
   }
-  if (factor.maxCoeff() < 1.0 + kLeast) return std::nullopt;
-  for (std::size_t row = 0; row < match.rows.size(); ++row) {
-    if (match.rows[row].actuator) {
-      shapes.values.row(static_cast<Eigen::Index>(row)).array() *= factor.array();
-    }
+  if (factor.maxCoeff() < 1.0 + kLeast || !shapes.sides) return std::nullopt;
+  const auto& actuator = shapes.sides->actuator;
+  for (std::size_t row = 0; row < actuator.size(); ++row) {
+    if (actuator[row]) shapes.values.row(static_cast<Eigen::Index>(row)).array() *= factor.array();
   }
   return shapes;
 }
@@ -192,8 +215,8 @@ double gain_deviation(const ChannelGains& gains) {
   return std::sqrt(square / known * (1.0 + 1.0 / static_cast<double>(pairs.size())));
 }
 
-double residual_factor(const ModalFit& fit, const FieldSimulation& simulation) {
-  const auto& fitted = fit.model.residual;
+double residual_factor(const GainMatch& match, const FieldSimulation& simulation) {
+  const auto& fitted = match.residual;
   const auto at_sensors = flexibility_above(simulation, simulation.channels.outputs);
   const double square = at_sensors.squaredNorm();
   const double factor = square > 0.0 ? at_sensors.cwiseProduct(fitted).sum() / square : 0.0;
@@ -211,10 +234,11 @@ PlacesOfInterest places_of_interest(const ModalFit& fit, const ChannelGains& gai
   PlacesOfInterest interest{
       Eigen::MatrixXd::Zero(places.count(), m),
       sizes_at_channels(match).transpose().replicate(places.count(), 1),
-      residual_factor(fit, simulation) * flexibility_above(simulation, places.shapes)};
+      residual_factor(match, simulation) * flexibility_above(simulation, places.shapes)};
   interest.shapes(Eigen::all, modes) = field.mean;
   interest.deviation(Eigen::all, modes) = field.deviation;
-  interest.residual_deviation = unexplained_residual(fit, simulation).replicate(places.count(), 1);
+  interest.residual_deviation =
+      unexplained_residual(match, simulation).replicate(places.count(), 1);
   interest.gain_deviation = gain_deviation(gains);
   add_rigid_rows(fit, match, places, interest);
   if (fit.complex) {

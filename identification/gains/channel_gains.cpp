@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "identification/gains/pair_evidence.h"
 #include "identification/suspension.h"
 #include "priors/learned_corrections.h"
 
@@ -15,15 +16,6 @@ namespace {
 
 constexpr double kLargestMode = 0.15;  // deviation of ln f between a mode and its simulation
 constexpr double kOnePlace = 1e-3;     // [m]
-
-// Removes the coordinate along a channel's own direction: a sensor and an actuator on the two faces
-// of a plate are then in one place.
-std::vector<modal::MeasuredChannel> along(std::vector<modal::MeasuredChannel> channels) {
-  for (auto& channel : channels) {
-    *channel.position -= channel.direction * channel.direction.dot(*channel.position);
-  }
-  return channels;
-}
 
 Eigen::Index channel_index(const std::vector<modal::MeasuredChannel>& channels,
                            const std::string& name) {
@@ -68,7 +60,7 @@ void add_simulated_shapes(const modal::ReducedModel& fit, const modal::FrfSet& c
   const auto m = fit.mode_count();
   for (auto& pair : pairs) {
     if (!is_apart(channels, pair)) continue;
-    pair.at_output.setOnes(m);
+    pair.at_output.setConstant(m, pair.sign);
     pair.at_input.setOnes(m);
     for (auto mode = fit.rigid_count; mode < m; ++mode) {
       const auto r = simulated_mode(fit, mode, simulation);
@@ -121,7 +113,10 @@ std::optional<RigidGeometry> rigid_geometry(const ModalFit& fit, const modal::Fr
                                             const GainPlan& plan) {
   const auto rigid = fit.model.rigid_count;
   if (rigid > 0) {
-    return rigid == 2 || rigid == 3 ? geometry_of(channels, rigid) : std::nullopt;
+    // Two modes are a beam's where the places lie on its line. Elsewhere they are a part of the
+    // motions of a plate, such as two actuators drive.
+    const bool is_whole = rigid == 3 || (rigid == 2 && motions_told(channels) == 2);
+    return is_whole ? geometry_of(channels, rigid) : std::nullopt;
   }
   if (plan.suspended_modes == 0) return std::nullopt;
   auto geometry = geometry_of(channels, motions_told(channels));
@@ -143,18 +138,24 @@ std::optional<RigidGeometry> rigid_geometry(const ModalFit& fit, const modal::Fr
   return geometry;
 }
 
-// The flexible shapes at the side with more channels.
+// The flexible shapes at the side with more channels. A channel that was not measured has no
+// deviation in any mode and is left out.
 priors::MeasuredShapes shapes_of_one_side(const ModalFit& fit, const GainPrior& prior) {
   const bool sensors = prior.outputs.count() >= prior.inputs.count();
   const Eigen::MatrixXd values =
       sensors ? fit.model.output_shapes : fit.model.input_shapes.transpose();
   const Eigen::MatrixXd noise = sensors ? fit.output_std : fit.input_std.transpose();
-  std::vector<Eigen::Index> modes;
-  for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
-    if (noise.col(m).allFinite() && noise.col(m).minCoeff() > 0.0) modes.push_back(m);
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < noise.rows(); ++i) {
+    if (noise.row(i).tail(fit.flexible_count()).array().isFinite().any()) rows.push_back(i);
   }
-  return {sensors ? prior.outputs : prior.inputs, fit.model.frequency_hz(modes),
-          values(Eigen::all, modes), noise(Eigen::all, modes)};
+  std::vector<Eigen::Index> modes;
+  for (auto m = fit.model.rigid_count; m < fit.model.mode_count() && !rows.empty(); ++m) {
+    const Eigen::VectorXd own = noise.col(m)(rows);
+    if (own.allFinite() && own.minCoeff() > 0.0) modes.push_back(m);
+  }
+  return {priors::part(sensors ? prior.outputs : prior.inputs, rows), fit.model.frequency_hz(modes),
+          values(rows, modes), noise(rows, modes)};
 }
 
 // True if the scale of a flexible mode was not found.
@@ -167,14 +168,17 @@ bool lacks_a_scale(const GainMatch& match, Eigen::Index rigid_count) {
 
 std::vector<CollocatedPair> channel_pairs(const GainPlan& plan, const modal::FrfSet& channels) {
   if (plan.pairs.empty()) {
-    return collocated_pairs(along(channels.outputs), along(channels.inputs), plan.pairs_within);
+    return collocated_pairs(channels.outputs, channels.inputs, plan.pairs_within);
   }
   std::vector<CollocatedPair> pairs;
   for (const auto& [sensor, actuator] : plan.pairs) {
     CollocatedPair pair;
     pair.output = channel_index(channels.outputs, sensor);
     pair.input = channel_index(channels.inputs, actuator);
-    if (pair.output >= 0 && pair.input >= 0) pairs.push_back(std::move(pair));
+    if (pair.output < 0 || pair.input < 0) continue;
+    pair.sign = sign_of_pair(channels.outputs[static_cast<std::size_t>(pair.output)],
+                             channels.inputs[static_cast<std::size_t>(pair.input)]);
+    pairs.push_back(std::move(pair));
   }
   return pairs;
 }

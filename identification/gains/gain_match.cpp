@@ -63,10 +63,13 @@ void scale_rigid_covariance(Matching& state, bool is_output, Eigen::Index channe
 // Multiplies the values of one channel, and their covariances, by a factor.
 void scale_channel(Matching& state, bool is_output, Eigen::Index channel, double factor) {
   auto& model = state.fit.model;
+  const bool has_residual = model.residual.size() > 0;
   if (is_output) {
     model.output_shapes.row(channel) *= factor;
+    if (has_residual) model.residual.row(channel) *= factor;
   } else {
     model.input_shapes.col(channel) *= factor;
+    if (has_residual) model.residual.col(channel) *= factor;
   }
   if (auto& complex = state.fit.complex) {
     if (is_output) {
@@ -202,6 +205,18 @@ void gather_rows(Matching& state) {
   }
 }
 
+// The sign of the inputs as a whole. Pairs and motions tell it of all modes at once; the simulation
+// tells it mode by mode, and most of its modes count.
+int sign_of_inputs(const Matching& state) {
+  int votes = 0;
+  for (const auto& mode : state.match.modes) {
+    if (mode.by == MatchedBy::pairs || mode.by == MatchedBy::geometry) return state.side;
+    if (mode.by == MatchedBy::prior) votes += mode.sign;
+  }
+  if (votes == 0) return state.side;
+  return votes < 0 ? -1 : 1;
+}
+
 // Replaces each unknown variance by the square of a thousand times the size of its value. This is
 // finite and carries no information.
 void bound(Eigen::MatrixXd& covariance, const Eigen::VectorXd& size) {
@@ -278,6 +293,19 @@ Matching started(const ModalFit& fit, const Channels& outputs, const Channels& i
   return state;
 }
 
+// Distance of two channels that act along one line, seen along it; infinite where they do not.
+double distance_on_line(const modal::MeasuredChannel& output, const modal::MeasuredChannel& input) {
+  constexpr double kOneLine = 0.999;  // cosine of the angle between their directions
+  const auto states = [](const auto& channel) { return !channel.direction.isZero(); };
+  if (states(output) && states(input) &&
+      std::abs(output.direction.dot(input.direction)) <= kOneLine) {
+    return std::numeric_limits<double>::infinity();
+  }
+  const Eigen::Vector3d line = states(output) ? output.direction : input.direction;
+  const Eigen::Vector3d apart = *output.position - *input.position;
+  return (apart - line * line.dot(apart)).norm();
+}
+
 }  // namespace
 
 std::vector<CollocatedPair> collocated_pairs(const std::vector<modal::MeasuredChannel>& outputs,
@@ -291,7 +319,7 @@ std::vector<CollocatedPair> collocated_pairs(const std::vector<modal::MeasuredCh
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     for (std::size_t j = 0; j < inputs.size(); ++j) {
       if (!outputs[i].position || !inputs[j].position) continue;
-      const double distance = (*outputs[i].position - *inputs[j].position).norm();
+      const double distance = distance_on_line(outputs[i], inputs[j]);
       if (distance <= within_m) {
         near.push_back({distance, static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)});
       }
@@ -305,7 +333,9 @@ std::vector<CollocatedPair> collocated_pairs(const std::vector<modal::MeasuredCh
     if (left.contains(one.output) || right.contains(one.input)) continue;
     left.insert(one.output);
     right.insert(one.input);
-    pairs.push_back({one.output, one.input, {}, {}});
+    const auto& output = outputs[static_cast<std::size_t>(one.output)];
+    const auto& input = inputs[static_cast<std::size_t>(one.input)];
+    pairs.push_back({one.output, one.input, {}, {}, sign_of_pair(output, input)});
   }
   std::ranges::sort(pairs, {}, &CollocatedPair::output);
   return pairs;
@@ -335,6 +365,7 @@ GainMatch gain_match(const ModalFit& fit, const std::vector<modal::MeasuredChann
   for (std::size_t group = 0; group < state.groups.size(); ++group) match_group(state, group);
   warn_of_disagreement(state);
   mark_unknown(fit, state);
+  state.match.residual = sign_of_inputs(state) * state.fit.model.residual;
   gather_rows(state);
   add_imaginary_rows(state);
   return std::move(state.match);
@@ -345,9 +376,7 @@ modal::ReducedModel extended_model(const ModalFit& fit, const GainMatch& match) 
   model.output_shapes = match.shapes;
   model.input_shapes = match.input_shapes;
   model.residual = Eigen::MatrixXd::Zero(match.shapes.rows(), fit.model.input_count());
-  if (fit.model.residual.size() > 0) {
-    model.residual.topRows(fit.model.output_count()) = fit.model.residual;
-  }
+  if (match.residual.size() > 0) model.residual.topRows(match.residual.rows()) = match.residual;
   return model;
 }
 

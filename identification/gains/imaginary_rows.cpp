@@ -74,7 +74,8 @@ void turn_mode(Matching& state, Index m, double gamma) {
   complex.input_imaginary_std.row(m) = deviation.tail(q).transpose();
 }
 
-// Gives both sides of a pair one value, weighted by their variances.
+// Gives both sides of a pair one value, weighted by their variances; opposite ones where their
+// directions are opposite.
 void tie_pairs(const Matching& state, Sides& sides) {
   for (std::size_t c = 0; c < state.options.pairs.size(); ++c) {
     const auto& pair = state.options.pairs[c];
@@ -85,7 +86,8 @@ void tie_pairs(const Matching& state, Sides& sides) {
     double& of_input = sides.input_variance(pair.input);
     if (!(of_output > 0.0) || !(of_input > 0.0)) continue;
     const double both = 1.0 / (1.0 / of_output + 1.0 / of_input);
-    output = input = both * (output / of_output + input / of_input);
+    output = both * (output / of_output + pair.sign * input / of_input);
+    input = pair.sign * output;
     of_output = of_input = both;
   }
 }

@@ -200,22 +200,29 @@ void match_block(Matching& state, std::size_t group) {
   apply(state, state.groups[group], scaling, MatchedBy::pairs);
 }
 
-bool match_by_prior(Matching& state, std::size_t group) {
-  const auto mode = state.groups[group].first;
-  if (!state.options.prior || state.fit.model.frequency_hz(mode) <= 0.0) return false;
-  const auto& prior = *state.options.prior;
-  const auto sides = sides_of(state, group);
-  const auto p = state.p();
-  const auto q = state.q();
+// What the simulation tells of the scale of a mode.
+priors::GainMatch told_by_prior(const TwoSides& sides, double frequency_hz,
+                                const GainPrior& prior) {
+  if (!(sides.outputs.norm() > 0.0 && sides.inputs.norm() > 0.0)) {
+    throw NumericalFailure("all sensors or all actuators see nothing of it: not scaled");
+  }
   const Eigen::VectorXd noise = sides.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   const auto at_least = [](const Eigen::VectorXd& deviation, const Eigen::VectorXd& values) {
     const double rms = values.norm() / std::sqrt(static_cast<double>(values.size()));
     return Eigen::VectorXd(deviation.cwiseMax(1e-6 * rms));
   };
-  const auto found = priors::gain_match(
-      {state.fit.model.frequency_hz(mode), prior.outputs, prior.inputs, sides.outputs, sides.inputs,
-       at_least(noise.head(p), sides.outputs), at_least(noise.tail(q), sides.inputs)},
-      prior.basis, prior.residual);
+  return priors::gain_match({frequency_hz, prior.outputs, prior.inputs, sides.outputs, sides.inputs,
+                             at_least(noise.head(sides.outputs.size()), sides.outputs),
+                             at_least(noise.tail(sides.inputs.size()), sides.inputs)},
+                            prior.basis, prior.residual);
+}
+
+bool match_by_prior(Matching& state, std::size_t group) {
+  const auto mode = state.groups[group].first;
+  const double frequency_hz = state.fit.model.frequency_hz(mode);
+  if (!state.options.prior || frequency_hz <= 0.0) return false;
+  const auto found = told_by_prior(sides_of(state, group), frequency_hz, *state.options.prior);
+  const auto p = state.p();
   apply(
       state, group,
       [&](const TwoSides& at) {
@@ -336,16 +343,16 @@ bool matched(Matching& state, std::size_t group) {
   } catch (const NumericalFailure& failure) {
     state.match.warnings.push_back(state.mode_name(modes) + ": " + failure.what());
   }
-  if (ties_of(state, group).count() > 0) {
-    try {
+  try {
+    if (ties_of(state, group).count() > 0) {
       modes.size == 1 ? match_by_pairs(state, group) : match_block(state, group);
       return true;
-    } catch (const NumericalFailure& failure) {
-      state.match.warnings.push_back(state.mode_name(modes) + ": " + failure.what());
-      return false;
     }
+    if (modes.size == 1 && match_by_prior(state, group)) return true;
+  } catch (const NumericalFailure& failure) {
+    state.match.warnings.push_back(state.mode_name(modes) + ": " + failure.what());
+    return false;
   }
-  if (modes.size == 1 && match_by_prior(state, group)) return true;
   state.match.warnings.push_back(state.mode_name(modes) +
                                  (state.options.pairs.empty()
                                       ? ": no collocated pair: not scaled"

@@ -157,13 +157,20 @@ std::vector<LogRatios> consistent(std::vector<LogRatios> modes, Eigen::Index pai
 
 }  // namespace
 
+int sign_of_pair(const modal::MeasuredChannel& output, const modal::MeasuredChannel& input) {
+  return output.direction.dot(input.direction) < 0.0 ? -1 : 1;
+}
+
 PlaceRatios place_ratios(const std::vector<CollocatedPair>& pairs, Eigen::Index modes,
                          double simulation_error) {
   PlaceRatios ratios{Eigen::MatrixXd::Ones(std::ssize(pairs), modes),
                      Eigen::MatrixXd::Zero(std::ssize(pairs), modes)};
   for (Eigen::Index c = 0; c < std::ssize(pairs); ++c) {
     const auto& pair = pairs[static_cast<std::size_t>(c)];
-    if (pair.is_one_place()) continue;
+    if (pair.is_one_place()) {
+      ratios.value.row(c).setConstant(pair.sign);
+      continue;
+    }
     require(pair.at_output.size() == modes && pair.at_input.size() == modes,
             "gain match: pair " + fmt::to_string(c + 1) + " has simulated shapes of " +
                 fmt::to_string(pair.at_output.size()) + " and " +

@@ -9,7 +9,12 @@
 
 namespace chladni::identification {
 
-/// φ at the sensor over φ at the actuator in a simulation, n_c×m; 1 for both at one place.
+/// −1: the stated directions of the two channels are opposite; else 1.
+[[nodiscard]] int sign_of_pair(const modal::MeasuredChannel& output,
+                               const modal::MeasuredChannel& input);
+
+/// φ at the sensor over φ at the actuator in a simulation, n_c×m; the pair's sign for both at one
+/// place.
 struct PlaceRatios {
   Eigen::MatrixXd value, deviation;
 };

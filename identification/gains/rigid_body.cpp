@@ -136,9 +136,11 @@ RigidBody rigid_body(const Eigen::MatrixXd& product, const Eigen::MatrixXd& devi
   const Eigen::VectorXd values = weight.cwiseProduct(product.reshaped());
   const Eigen::MatrixXd spread = symmetric_entries(r);
   const auto symmetric = least_squares(rows * spread, values);
-  require(symmetric.determined,
-          "rigid body: the places of the sensors and actuators do not determine the " +
-              fmt::to_string(r) + " by " + fmt::to_string(r) + " mass matrix");
+  if (!symmetric.determined) {
+    throw NumericalFailure(
+        "rigid body: the places of the sensors and actuators do not determine the " +
+        fmt::to_string(r) + " by " + fmt::to_string(r) + " mass matrix");
+  }
   const Eigen::MatrixXd inverse = (spread * symmetric.value).reshaped(r, r);
   if (!positive_definite(inverse)) {
     throw NumericalFailure(

@@ -42,10 +42,10 @@ struct RigidBody {
 /// @param deviation  p×q of its entries; empty: all equal
 /// @param outputs    p×r, P_s
 /// @param inputs     q×r, P_a
-/// @throws InvalidInput      sizes differ, a deviation is not positive, or the places do not
-///                           determine the mass matrix
-/// @throws NumericalFailure  M is not positive definite: a polarity or a place is wrong, or the
-///                           modes are not those of a rigid body
+/// @throws InvalidInput      sizes differ, or a deviation is not positive
+/// @throws NumericalFailure  the places do not determine the mass matrix, or M is not positive
+///                           definite: a polarity or a place is wrong, or the modes are not those
+///                           of a rigid body
 [[nodiscard]] RigidBody rigid_body(const Eigen::MatrixXd& product, const Eigen::MatrixXd& deviation,
                                    const Eigen::MatrixXd& outputs, const Eigen::MatrixXd& inputs);
 

@@ -8,8 +8,8 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
-#include <sstream>
 
+#include "base/text_stream.h"
 #include "identification/constants.h"
 #include "identification/likelihood/covariance.h"
 #include "identification/likelihood/general_mode.h"
@@ -36,7 +36,7 @@ BlockModel in_modes(const BlockModel& model, std::vector<std::string>& notes) {
       continue;
     }
     const auto modes = forced_modes(block);
-    std::ostringstream text;
+    TextWriter text;
     text << "modes near " << own_frequency(modes.front()) * model.scale / (2.0 * std::numbers::pi)
          << " Hz: their damping couples them, real modes of their own do not fit the data";
     notes.push_back(text.str());
@@ -233,13 +233,17 @@ void resize(ModalFit& fit, const BlockModel& model, Eigen::Index outputs, Eigen:
   shapes.input_real_std = shapes.input_imaginary_std = fit.input_std;
 }
 
-// Neighbours within a bandwidth form one group if the shape of either is hardly known: the data do
-// not separate them.
-std::vector<modal::ModeGroup> groups_of(const ModalFit& fit) {
+// Neighbours within a bandwidth form one group if the shape of either is hardly known at the
+// outputs that were measured: the data do not separate them.
+std::vector<modal::ModeGroup> groups_of(const Eigen::MatrixXd& weight, const ModalFit& fit) {
   const auto& model = fit.model;
+  std::vector<Eigen::Index> measured;
+  for (Eigen::Index i = 0; i < weight.rows(); ++i) {
+    if (weight.row(i).sum() > 0.0) measured.push_back(i);
+  }
   const auto unknown = [&](Eigen::Index m) {
-    return fit.output_std.col(m).norm() >
-           Constants::unknown_shape * model.output_shapes.col(m).norm();
+    return fit.output_std.col(m)(measured).norm() >
+           Constants::unknown_shape * model.output_shapes.col(m)(measured).norm();
   };
   std::vector<modal::ModeGroup> groups;
   if (model.rigid_count > 0) groups.push_back({0, model.rigid_count});
@@ -263,7 +267,7 @@ constexpr double kNothing = std::numeric_limits<double>::infinity();  // deviati
 void note_undamped(const BlockModel& model, ModalFit& fit) {
   for (const auto& block : model.blocks) {
     if (!is_undamped(block)) continue;
-    std::ostringstream text;
+    TextWriter text;
     text << "mode at " << own_frequency(block) * model.scale / (2.0 * std::numbers::pi)
          << " Hz: the data ask for no damping; it is held at a ratio of " << kLeastDampingRatio
          << ", its deviation is not known";
@@ -366,7 +370,7 @@ ModalFit with_uncertainty(const Descent& found, const Target& target, const Fitt
   const Eigen::VectorXd residual = (2.0 * sums.array().max(1e-300) / variance).sqrt().inverse();
   fit.residual_std = Eigen::Map<const Eigen::MatrixXd>(residual.data(), data.outputs, data.inputs);
   fill_delays(model, fitted, covariance, fit);
-  fit.groups = groups_of(fit);
+  fit.groups = groups_of(sums.reshaped(target.outputs, target.inputs), fit);
   mark_unmeasured(sums.reshaped(target.outputs, target.inputs), fit);
   if (!fitted.residual) fit.residual_std.setZero();
   return fit;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 
 #include "base/error.h"
@@ -22,17 +23,36 @@ struct Curve {
   Eigen::VectorXcd value;
 };
 
+// Whether variances are stated; zeros on all lines of all responses are none (as in fit_data).
+bool states_variances(const modal::FrfSet& set) {
+  return std::ranges::any_of(set.variance,
+                             [](const auto& line) { return (line.array() > 0.0).any(); });
+}
+
+// A line that is repeated to the last bit has no variance; this least deviation keeps its weight
+// finite (as in fit_data).
+double least_deviation(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j) {
+  double largest = 0.0;
+  for (const auto& line : set.value) {
+    const double size = std::abs(line(i, j));
+    if (std::isfinite(size)) largest = std::max(largest, size);
+  }
+  return 1e-9 * largest;
+}
+
 std::vector<Curve> curves(const modal::FrfSet& set) {
+  const bool stated = states_variances(set);
   std::vector<Curve> result;
   for (Eigen::Index j = 0; j < set.input_count(); ++j) {
     for (Eigen::Index i = 0; i < set.output_count(); ++i) {
       std::vector<double> omega;
       std::vector<double> weight;
       std::vector<Complex> value;
+      const double least = least_deviation(set, i, j);
       for (std::size_t k = 0; k < set.value.size(); ++k) {
         const auto g = set.value[k](i, j);
         const double w = kTwoPi * set.frequency_hz(static_cast<Eigen::Index>(k));
-        const double s = set.variance.empty() ? 1.0 : 1.0 / std::sqrt(set.variance[k](i, j));
+        const double s = stated ? 1.0 / std::max(std::sqrt(set.variance[k](i, j)), least) : 1.0;
         if (w <= 0.0 || !std::isfinite(std::abs(g)) || !std::isfinite(s)) continue;
         omega.push_back(w);
         weight.push_back(s);
@@ -162,7 +182,8 @@ DelayEstimate phase_delay(const modal::FrfSet& set, double longest_s) {
     square += std::pow(refined({curve}, result.delay_s) - result.delay_s, 2);
   }
   const auto n = static_cast<double>(all.size());
-  result.std_s = n > 1.0 ? std::sqrt(square / (n * (n - 1.0))) : 0.0;
+  result.std_s = n > 1.0 ? std::sqrt(square / (n * (n - 1.0)))  // one alone differs from none
+                         : std::numeric_limits<double>::infinity();
   result.how = "phases of " + fmt::to_string(all.size()) +
                " responses away from their modes; damping adds to it";
   return result;
@@ -190,7 +211,7 @@ DelayEstimate delay_at_poles(const modal::FrfSet& set, const Eigen::VectorXcd& p
     delay += step;
     // Each of the two real numbers of a line has half the line's variance.
     const double per_number =
-        set.variance.empty() ? sum.cost / static_cast<double>(sum.freedom) : 0.5;
+        states_variances(set) ? 0.5 : sum.cost / static_cast<double>(sum.freedom);
     const double deviation = std::sqrt(per_number / sum.curvature);
     if (std::abs(step) <= 1e-4 * deviation || std::abs(step) <= 1e-15 + 1e-10 * std::abs(delay)) {
       return {delay, deviation,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "base/error.h"
 #include "identification/response_field.h"
@@ -67,8 +68,14 @@ void add_hidden(const study::Study& study, const stage::Solution& solution,
 identification::FieldSimulation field_simulation(const Interpolated& result) {
   const auto& model = identified_of(result);
   const auto& measured = result.measured;
+  const auto& rows = model.match.rows;
+  Eigen::MatrixXd at_rows(std::ssize(rows), measured.sensor_shapes.cols());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto& side = rows[i].actuator ? measured.input_shapes : measured.sensor_shapes;
+    at_rows.row(static_cast<Eigen::Index>(i)) = side.row(rows[i].channel);
+  }
   return {{result.simulation.frequency_hz, measured.sensor_shapes, measured.input_shapes},
-          measured.shapes.places.shapes,
+          std::move(at_rows),
           model.data.frequency_hz(model.data.line_count() - 1)};
 }
 
@@ -87,9 +94,11 @@ Measured measured_by_responses(const study::Study& study, const stage::Solution&
   for (const auto& row : model->match.rows) {
     const auto& side = row.actuator ? model->seen.inputs : model->seen.outputs;
     used.push_back(site_of(sites, side[static_cast<std::size_t>(row.channel)].name));
-    result.channels.push_back(used.back().name);
   }
   const auto& fit = model->found.fit;
+  for (const auto row : identification::measured_rows(fit, model->match)) {
+    result.channels.push_back(used[static_cast<std::size_t>(row)].name);
+  }
   result.shapes =
       identification::measured_shapes(fit, *model, places_at(used, solution.modes, harmonics));
   result.damping_ratio = fit.model.damping_ratio(result.fitted_mode);
@@ -172,7 +181,7 @@ std::vector<std::string> left_out_of_predictions(const Interpolated& result) {
         fit.rigid_count));
   }
   if (model.found.fit.residual_std.size() > 0 && fit.residual.squaredNorm() > 0.0 &&
-      identification::residual_factor(model.found.fit, field_simulation(result)) == 0.0) {
+      identification::residual_factor(model.match, field_simulation(result)) == 0.0) {
     notes.emplace_back(
         "the modes above the band are not in the predicted responses, the simulation does not "
         "explain the fitted residual; their band has its size at the sensors");

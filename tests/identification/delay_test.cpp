@@ -84,6 +84,37 @@ TEST(Delay, ThePhaseAloneGivesAFirstValue) {
   }
 }
 
+// One response differs from no other.
+TEST(Delay, ThePhaseOfOneResponseTellsNoDeviation) {
+  const auto set = noisy(recordings::two_modes(), 2e-4, 0.01, 5);
+  EXPECT_GT(phase_delay(set, 5e-3).std_s, 0.0);
+  EXPECT_TRUE(std::isfinite(phase_delay(set, 5e-3).std_s));
+  EXPECT_TRUE(std::isinf(phase_delay(modal::part(set, {0}, {1}), 5e-3).std_s));
+}
+
+TEST(Delay, VariancesThatAreAllZeroAreNotStated) {
+  const auto pole = start_at(recordings::two_modes()).pole;
+  auto set = noisy(recordings::two_modes(), 3.1e-4, 0.01, 3);
+  auto without = set;
+  without.variance.clear();
+  for (auto& variance : set.variance) variance.setZero();
+  EXPECT_EQ(phase_delay(set, 5e-3).delay_s, phase_delay(without, 5e-3).delay_s);
+  const auto found = delay_at_poles(set, pole, false);
+  const auto wanted = delay_at_poles(without, pole, false);
+  EXPECT_EQ(found.delay_s, wanted.delay_s);
+  EXPECT_EQ(found.std_s, wanted.std_s);
+}
+
+// A line that is repeated to the last bit is a line.
+TEST(Delay, KeepsLinesOfNoVariance) {
+  const auto pole = start_at(recordings::two_modes()).pole;
+  auto set = noisy(recordings::two_modes(), 3.1e-4, 1e-6, 3);
+  const auto all = phase_delay(set, 5e-3);
+  for (std::size_t k = 1; k < set.variance.size(); ++k) set.variance[k].setZero();
+  EXPECT_EQ(phase_delay(set, 5e-3).delay_s, all.delay_s);
+  EXPECT_NEAR(delay_at_poles(set, pole, false).delay_s, 3.1e-4, 1e-8);
+}
+
 // The lab's hold and delay, taken away from what it measured, leave the structure's own response.
 TEST(Delay, TakenAwayWithTheHoldItLeavesTheContinuousResponse) {
   const auto model = recordings::two_modes();

@@ -223,6 +223,16 @@ TEST(ModalFit, HoldsWithAChannelThatIsNotMeasured) {
   EXPECT_EQ(fit.output_std(3, 0), std::numeric_limits<double>::infinity());
 }
 
+// Its shape there is not known, which says nothing of whether the data separate two modes.
+TEST(ModalFit, TellsAPairApartWithAChannelThatIsNotMeasured) {
+  auto made = simulators::pairs(1e-2, 0.01, 0.01);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (auto& line : made.measured.value) line.row(3).setConstant({nan, nan});
+  const auto fit = modal_fit(fit_data(made.measured), near_truth(made.truth, 1));
+  EXPECT_EQ(fit.output_std(3, 1), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(fit.groups.size(), 4U);
+}
+
 TEST(ModalFit, KnowsADeadChannelAsZero) {
   FrfFaults faults;
   faults.output_gain = Eigen::VectorXd::Ones(5);

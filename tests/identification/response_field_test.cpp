@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -139,6 +140,55 @@ TEST(ResponseField, IsTheBeamsBetweenTheSensors) {
   EXPECT_LT(error.relative, 0.02);
   EXPECT_LT(error.relative, 3.0 * error.deviation);
   EXPECT_LT(error.deviation, 0.1);
+}
+
+// Actuators that push against the sensors' direction, as blows from above do.
+TEST(ResponseField, KnowsActuatorsThatPushAgainstTheSensors) {
+  auto responses = responses_of(kPairs);
+  for (auto& input : responses.inputs) input.direction *= -1.0;
+  for (auto& value : responses.value) value *= -1.0;
+  auto inputs = places_at(kPairs);
+  inputs.direction *= -1.0;
+  inputs.shapes *= -1.0;
+  ResponseFieldPlan plan;
+  plan.gains.is_supported = true;
+  const auto against = response_field(responses, simulation(), places_at(sensors()), inputs, plan);
+  const auto plain = field_of(responses_of(kPairs), kPairs);
+  EXPECT_TRUE(against.gains().match.warnings.empty());
+  const double size = plain.shapes().values.norm();
+  EXPECT_LT((against.shapes().values - plain.shapes().values).norm(), 1e-6 * size);
+  EXPECT_LT((against.shapes().noise - plain.shapes().noise).norm(), 1e-6 * size);
+  EXPECT_LT(error_of(against, kBetween, kPairs, -1.0).relative, 0.02);
+}
+
+// One channel of which no line is measured, of a pair or not: the others tell what they do without
+// it.
+TEST(ResponseField, LeavesOutAChannelThatWasNotMeasured) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const Eigen::Index row : {4, 1}) {
+    auto responses = responses_of(kPairs);
+    for (auto& value : responses.value) value.row(row).setConstant({nan, nan});
+    const auto field = field_of(responses, kPairs);
+    EXPECT_EQ(field.shapes().mode_count(), 4);
+    EXPECT_EQ(field.shapes().places.count(), 8);
+    ASSERT_TRUE(field.shapes().sides.has_value());
+    EXPECT_EQ(field.shapes().sides->actuator.size(), 8U);
+    EXPECT_LT(field.shapes().noise.maxCoeff(), 0.02) << row;
+    EXPECT_LT(error_of(field, kBetween, kPairs).relative, 0.03) << row;
+  }
+}
+
+TEST(ResponseField, LearnsFromTheChannelsThatWereMeasured) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  auto responses = responses_of(kWithoutSensor);
+  for (auto& value : responses.value) value.row(4).setConstant({nan, nan});
+  const auto field = field_of(responses, kWithoutSensor);
+  EXPECT_EQ(field.shapes().places.count(), 10);
+  for (const auto& mode : field.gains().match.modes) EXPECT_EQ(mode.by, MatchedBy::prior);
+  EXPECT_LT(error_of(field, kBetween, kWithoutSensor).relative, 0.05);
+  const auto prior = simulated_gain_prior(field.fit(), simulation(), places_at(sensors()),
+                                          places_at(kWithoutSensor));
+  EXPECT_NE(prior.residual.eta, priors::DynamicResidual{}.eta);
 }
 
 // Without a pair the simulation tells the scale between forces and motions.

@@ -125,6 +125,20 @@ TEST(ComplexMatch, PredictsTheSensorsThatAreNotThere) {
   }
 }
 
+TEST(ComplexMatch, TakesPairsOfOppositeDirectionsAsStated) {
+  auto made = with_dashpot();
+  const auto one = with(made);
+  auto fit = one.fit;
+  fit.model.input_shapes *= -1.0;
+  fit.complex->inputs *= -1.0;
+  for (auto& input : made.measured.inputs) input.direction *= -1.0;
+  const auto match = matched(made, fit, with_pairs(made));
+  EXPECT_EQ(match.warnings, one.match.warnings);
+  const double size = one.match.imaginary.norm();
+  EXPECT_LT((match.imaginary - one.match.imaginary).norm(), 1e-9 * size);
+  EXPECT_LT((match.input_imaginary + one.match.input_imaginary).norm(), 1e-9 * size);
+}
+
 TEST(ComplexMatch, FindsTheRowOfAFurtherSensor) {
   const auto one = with(with_dashpot());
   auto record = modal::part(one.made.measured, {3}, {0, 1, 2, 3, 4});

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "gain_case.h"
+#include "identification/channel_gains.h"
 #include "modal/frf.h"
 
 namespace chladni::identification {
@@ -166,6 +167,86 @@ TEST(GainMatch, TurnsTheActuatorsWhereAllPairsAreTurned) {
   }
 }
 
+// The chosen actuators act against the direction that they had, and so do their responses.
+void turn_input(Eigen::Index j, simulators::FrfCase& made, ModalFit& fit) {
+  made.measured.inputs[static_cast<std::size_t>(j)].direction *= -1.0;
+  fit.model.input_shapes.col(j) *= -1.0;
+  const auto place = 2 + fit.model.output_count() + j;
+  for (auto& covariance : fit.mode_covariance) {
+    covariance.row(place) *= -1.0;
+    covariance.col(place) *= -1.0;
+  }
+}
+
+TEST(GainMatch, TakesPairsOfOppositeDirectionsAsStated) {
+  for (const auto& known : {two_by_four(), simulators::beam5x3(quiet())}) {
+    for (const auto rule : {GainRule::thesis, GainRule::tied}) {
+      const auto fit = drawn_fit(true_fit(known), 4);
+      auto options = with_pairs(known);
+      options.rule = rule;
+      const auto plain = matched(known, fit, options);
+      auto made = known;
+      auto turned = fit;
+      Eigen::VectorXd sign = Eigen::VectorXd::Ones(known.truth.input_count());
+      for (Eigen::Index j = 0; j < sign.size(); ++j) {  // one after the other, at last all
+        turn_input(j, made, turned);
+        sign(j) = -1.0;
+        options.pairs = with_pairs(made).pairs;
+        const auto match = matched(made, turned, options);
+        EXPECT_EQ(match.warnings, plain.warnings);
+        EXPECT_EQ(match.modes[0].sign, 1);
+        Eigen::MatrixXd shapes = plain.shapes;
+        for (Eigen::Index k = known.truth.output_count(); k < shapes.rows(); ++k) {
+          shapes.row(k) *= sign(match.rows[static_cast<std::size_t>(k)].channel);
+        }
+        EXPECT_LT((match.shapes - shapes).norm(), 1e-10 * shapes.norm());
+        EXPECT_LT((match.input_shapes * sign.asDiagonal() - plain.input_shapes).norm(),
+                  1e-10 * plain.input_shapes.norm());
+        EXPECT_LT((match.deviation - plain.deviation).norm(), 1e-6 * plain.deviation.norm());
+      }
+    }
+  }
+}
+
+TEST(GainMatch, KnowsTheSignOfPairsThatAreNamed) {
+  auto made = two_by_four();
+  GainPlan plan;
+  plan.pairs = {{"y2", "u2"}};
+  ASSERT_EQ(channel_pairs(plan, made.measured).size(), 1U);
+  EXPECT_EQ(channel_pairs(plan, made.measured).front().sign, 1);
+  made.measured.inputs[1].direction *= -1.0;
+  EXPECT_EQ(channel_pairs(plan, made.measured).front().sign, -1);
+}
+
+// What the modes above the band add is turned and corrected with the modes.
+TEST(GainMatch, GivesTheResidualTheSignAndTheGainsOfTheShapes) {
+  const auto made = simulators::beam5x3(quiet());
+  auto fit = true_fit(made);
+  fit.model.residual = 1e-4 * fit.model.output_shapes.rightCols(1) * fit.model.input_shapes.row(2);
+  const Eigen::MatrixXd truth = fit.model.residual;
+  auto turned = with_turned_inputs(fit);
+  turned.model.residual *= -1.0;
+  const auto model = extended_model(turned, matched(made, turned, with_pairs(made)));
+  EXPECT_LT((model.residual - truth).norm(), 1e-12 * truth.norm());
+  const Eigen::VectorXd gain{{1.0, 1.0, 0.905, 1.0, 1.1}};
+  fit.model.output_shapes = gain.asDiagonal() * fit.model.output_shapes;
+  fit.model.residual = gain.asDiagonal() * truth;
+  const double middle = std::cbrt(0.905 * 1.1);
+  for (const auto fault : {GainFault::outputs, GainFault::inputs}) {
+    auto options = with_pairs(made);
+    options.fault = fault;
+    const auto corrected = extended_model(fit, matched(made, fit, options));
+    const std::vector<Eigen::Index> paired{0, 2, 4};
+    const Eigen::MatrixXd found = corrected.residual(paired, Eigen::all);
+    Eigen::MatrixXd wanted = middle * truth(paired, Eigen::all);
+    if (fault == GainFault::inputs) {
+      wanted = (gain(paired).asDiagonal() * truth(paired, Eigen::all) *
+                (gain(paired) / middle).asDiagonal());
+    }
+    EXPECT_LT((found - wanted).norm(), 1e-8 * wanted.norm());
+  }
+}
+
 TEST(GainMatch, FindsTheGainsOfThePairs) {
   auto faults = quiet();
   faults.output_gain = Eigen::VectorXd{{1.0, 1.0, 0.905, 1.0, 1.1}};
@@ -286,6 +367,29 @@ TEST(GainMatch, FindsPairsByTheirPlaces) {
     EXPECT_EQ(pairs[c].output, static_cast<Eigen::Index>(c));
     EXPECT_EQ(pairs[c].input, static_cast<Eigen::Index>(c));
   }
+}
+
+// A triaxial sensor, and an actuator that presses against the other face.
+TEST(GainMatch, PairsOnlyChannelsThatActAlongOneLine) {
+  modal::FrfSet set;
+  for (int axis = 0; axis < 3; ++axis) {
+    modal::MeasuredChannel sensor;
+    sensor.name = "y" + std::to_string(axis + 1);
+    sensor.direction = Eigen::Vector3d::Unit(axis);
+    sensor.position = Eigen::Vector3d::Zero();
+    set.outputs.push_back(sensor);
+  }
+  modal::MeasuredChannel actuator;
+  actuator.name = "u1";
+  actuator.direction = -Eigen::Vector3d::UnitZ();
+  actuator.position = Eigen::Vector3d(0.0, 0.0, -0.01);
+  set.inputs = {actuator};
+  const auto pairs = channel_pairs({}, set);
+  ASSERT_EQ(pairs.size(), 1U);
+  EXPECT_EQ(pairs[0].output, 2);
+  EXPECT_EQ(pairs[0].sign, -1);
+  set.outputs.pop_back();
+  EXPECT_TRUE(channel_pairs({}, set).empty());
 }
 
 }  // namespace

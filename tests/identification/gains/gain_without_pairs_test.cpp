@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gain_case.h"
+#include "identification/channel_gains.h"
 #include "identification/gain_match.h"
 #include "priors/residual/residual_evidence.h"
 #include "simulators/tables/plate_study.h"
@@ -118,6 +119,91 @@ TEST(GainWithoutPairs, StatesTheDeviationsOfRowsFromTheMassMatrix) {
   EXPECT_LT((ratio - 1.0).abs().maxCoeff(), 4.5 / std::sqrt(2.0 * kDraws)) << ratio;
 }
 
+// A free plate that moves as a whole, with channels along z.
+struct FreePlate {
+  Eigen::MatrixX3d sensors, actuators;
+  Eigen::MatrixXd inverse_mass{{0.5, 0.1, -0.2}, {0.1, 6.0, 0.4}, {-0.2, 0.4, 5.0}};
+
+  [[nodiscard]] Eigen::MatrixXd products() const {
+    return rigid_directions(sensors, RigidMotion::plate) * inverse_mass *
+           rigid_directions(actuators, RigidMotion::plate).transpose();
+  }
+  [[nodiscard]] ModalFit fit(Eigen::Index rigid) const {
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(products(),
+                                                Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const auto told = std::min(rigid, svd.singularValues().size());
+    ModalFit fit;
+    fit.model.rigid_count = rigid;
+    fit.model.frequency_hz = fit.model.damping_ratio = Eigen::VectorXd::Zero(rigid);
+    fit.model.output_shapes = Eigen::MatrixXd::Zero(sensors.rows(), rigid);
+    fit.model.input_shapes = Eigen::MatrixXd::Zero(rigid, actuators.rows());
+    fit.model.output_shapes.leftCols(told) =
+        svd.matrixU().leftCols(told) * svd.singularValues().head(told).asDiagonal();
+    fit.model.input_shapes.topRows(told) = svd.matrixV().leftCols(told).transpose();
+    return fit;
+  }
+  [[nodiscard]] GainMatch match(Eigen::Index rigid) const {
+    modal::FrfSet set;
+    const auto add = [](const std::string& letter, const Eigen::MatrixX3d& places,
+                        std::vector<modal::MeasuredChannel>& channels) {
+      for (Eigen::Index i = 0; i < places.rows(); ++i) {
+        modal::MeasuredChannel channel;
+        channel.name = letter + std::to_string(i + 1);
+        channel.direction = Eigen::Vector3d::UnitZ();
+        channel.position = places.row(i).transpose();
+        channels.push_back(channel);
+      }
+    };
+    add("y", sensors, set.outputs);
+    add("u", actuators, set.inputs);
+    return channel_gains(fit(rigid), set, {}, {}).match;
+  }
+};
+
+// Two actuators drive two of a plate's three motions; they are no motions of a beam along x.
+TEST(GainWithoutPairs, TakesTwoModesAtZeroForABeamOnItsLineOnly) {
+  const Eigen::MatrixX3d places{
+      {-0.2, -0.1, 0.0}, {0.2, -0.1, 0.0}, {-0.2, 0.15, 0.0}, {0.2, 0.1, 0.0}};
+  FreePlate plate{places, Eigen::MatrixX3d{{-0.1, 0.05, 0.0}, {0.15, -0.05, 0.0}}};
+  const auto expect_products = [&](const GainMatch& match) {
+    const Eigen::MatrixXd products = plate.products();
+    EXPECT_LT((match.shapes.topRows(4) * match.input_shapes - products).norm(),
+              1e-9 * products.norm());
+  };
+  const auto alone = plate.match(2);
+  EXPECT_EQ(alone.modes[0].by, MatchedBy::nothing);
+  EXPECT_FALSE(alone.rigid.has_value());
+  expect_products(alone);
+  plate.actuators = places({0, 3}, Eigen::all);
+  const auto paired = plate.match(2);
+  EXPECT_EQ(paired.modes[0].by, MatchedBy::pairs);
+  expect_products(paired);
+  EXPECT_LT((paired.shapes.row(3) - paired.input_shapes.col(1).transpose()).norm(),
+            1e-9 * paired.shapes.row(3).norm());
+  // All at one y, which need not be 0.
+  plate.sensors =
+      Eigen::MatrixX3d{{-0.2, 0.1, 0.0}, {-0.05, 0.1, 0.0}, {0.1, 0.1, 0.0}, {0.2, 0.1, 0.0}};
+  plate.actuators = Eigen::MatrixX3d{{-0.1, 0.1, 0.0}, {0.15, 0.1, 0.0}};
+  const auto line = plate.match(2);
+  EXPECT_EQ(line.modes[0].by, MatchedBy::geometry);
+  EXPECT_TRUE(line.rigid.has_value());
+  expect_products(line);
+}
+
+bool is_warned(const GainMatch& match, const std::string& of) {
+  return std::ranges::any_of(
+      match.warnings, [&](const std::string& text) { return text.find(of) != std::string::npos; });
+}
+
+TEST(GainWithoutPairs, WarnsWhereThePlacesDoNotTellTheMass) {
+  const FreePlate plate{
+      Eigen::MatrixX3d{{-0.2, -0.1, 0.0}, {0.2, 0.1, 0.0}},
+      Eigen::MatrixX3d{{-0.1, 0.1, 0.0}, {0.1, 0.15, 0.0}, {0.15, -0.1, 0.0}, {-0.1, -0.2, 0.0}}};
+  const auto match = plate.match(3);
+  EXPECT_EQ(match.modes[0].by, MatchedBy::nothing);
+  EXPECT_TRUE(is_warned(match, "do not determine the 3 by 3 mass matrix"));
+}
+
 TEST(GainWithoutPairs, MatchesABlockByItsPairs) {
   const auto made = simulators::pairs(0.0, 0.01, 0.01, quiet());
   ModalFit fit;
@@ -138,8 +224,8 @@ TEST(GainWithoutPairs, MatchesABlockByItsPairs) {
             1e-10 * known.squaredNorm());
 }
 
-TEST(GainWithoutPairs, AsksTheSimulationWhereThereIsNoPair) {
-  const auto made = simulators::oat4x13(quiet());
+// The simulation of the wafer table at the channels of a case.
+GainPrior table_prior(const simulators::FrfCase& made) {
   const auto grid = simulators::PlateGrid{0.6, 0.5988, 20, 20};
   const auto believed = simulators::plate_modes(
       simulators::uniform_plate(grid, simulators::isotropic_bending(21658.0, 0.33), 40.2), 24);
@@ -150,13 +236,31 @@ TEST(GainWithoutPairs, AsksTheSimulationWhereThereIsNoPair) {
     }
     return simulators::plate_places(believed, all);
   };
+  GainPrior prior{places(made.measured.outputs),
+                  places(made.measured.inputs),
+                  priors::modal_basis(
+                      simulators::plate_simulation(believed, simulators::plate_surface(believed))),
+                  {}};
+  prior.residual.gamma = std::pow(139.0 / believed.frequency_hz(3), 2);
+  return prior;
+}
+
+TEST(GainWithoutPairs, LeavesAModeAloneThatNoSensorSees) {
+  const auto made = simulators::oat4x13(quiet());
+  auto fit = true_fit(made);
+  fit.model.output_shapes.col(3).setZero();
   GainMatchOptions options;
-  options.prior = GainPrior{places(made.measured.outputs),
-                            places(made.measured.inputs),
-                            priors::modal_basis(simulators::plate_simulation(
-                                believed, simulators::plate_surface(believed))),
-                            {}};
-  options.prior->residual.gamma = std::pow(139.0 / believed.frequency_hz(3), 2);
+  options.prior = table_prior(made);
+  const auto match = matched(made, fit, options);
+  EXPECT_EQ(match.modes[3].by, MatchedBy::nothing);
+  EXPECT_EQ(match.modes[4].by, MatchedBy::prior);
+  EXPECT_TRUE(is_warned(match, "see nothing of it"));
+}
+
+TEST(GainWithoutPairs, AsksTheSimulationWhereThereIsNoPair) {
+  const auto made = simulators::oat4x13(quiet());
+  GainMatchOptions options;
+  options.prior = table_prior(made);
   const auto match = matched(made, true_fit(made), options);
   for (std::size_t m = 3; m < 9; ++m) {
     const auto& mode = match.modes[m];

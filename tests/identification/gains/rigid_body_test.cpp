@@ -149,7 +149,7 @@ TEST(RigidBody, NoticesATurnedChannelAndTooFewPlaces) {
   }
   EXPECT_GT(misfit, 100.0);
   const Eigen::MatrixXd two = p.topRows(2);
-  EXPECT_THROW((void)rigid_body(product.topRows(2), {}, two, p), InvalidInput);
+  EXPECT_THROW((void)rigid_body(product.topRows(2), {}, two, p), NumericalFailure);
   EXPECT_THROW((void)rigid_body(product, deviation, two, p), InvalidInput);
   EXPECT_THROW((void)rigid_body(product, 0.0 * deviation, p, p), InvalidInput);
 }
