@@ -110,6 +110,11 @@ void set_gains(const ComparedResponses& of, ResponseComparison& result) {
     columns += without_medians(turned);
     left = turned.transpose();
   }
+  // What has no number at all has no gain either.
+  rows = (left.array().isNaN().rowwise().all()).select(kNotMeasured, rows.array()).matrix();
+  columns = (left.array().isNaN().colwise().all().transpose())
+                .select(kNotMeasured, columns.array())
+                .matrix();
   const double row = median(rows);
   const double column = median(columns);
   result.level = std::exp(row + column);

@@ -145,7 +145,7 @@ Scene::Touched Scene::touched(const Attached& attached) const {
   return touch;
 }
 
-// True if only channels, paths, one more frame or one more single attachment differ.
+// True if only channels, paths, the residual, one more frame or one more single attachment differ.
 bool Scene::near(const State& changed) const {
   const std::size_t more = changed.attached.size() - state_.attached.size();
   const bool drifts_alike = changed.stiffening.size() == state_.stiffening.size() &&
@@ -169,6 +169,10 @@ double Scene::quick_misfit(const State& changed, Touched& touch) const {
   const bool channels_move = changed.outputs != state_.outputs || changed.inputs != state_.inputs;
   const MatrixXcd outputs = (changed.outputs - state_.outputs).cast<Complex>();
   const MatrixXcd inputs = (changed.inputs - state_.inputs).cast<Complex>();
+  MatrixXcd more_residual;
+  if (changed.residual != state_.residual) {
+    more_residual = (changed.residual - state_.residual).cast<Complex>();
+  }
   const Index p = state_.output_count();
   double sum = 0.0;
   for (Index k = 0; k < observed_.line_count(); ++k) {
@@ -179,6 +183,7 @@ double Scene::quick_misfit(const State& changed, Touched& touch) const {
       structure += outputs * now_.right(k);
       structure += now_.left(k) * inputs;
     }
+    if (more_residual.size() > 0) structure += more_residual;
     if (changed.frames.size() != state_.frames.size()) {
       structure += frame_responses(changed, s) - frame_responses(state_, s);
     }

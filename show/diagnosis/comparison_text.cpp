@@ -63,7 +63,8 @@ double mean_of(const Eigen::VectorXd& errors) {
 
 std::string channel_line(const std::string& name, double error, double gain, double sign,
                          double comac) {
-  return fmt::format("{:>16} {:>12} {:>10.4f} {:>6} {:>8}\n", name, percent(error), gain,
+  return fmt::format("{:>16} {:>12} {:>10} {:>6} {:>8}\n", name, percent(error),
+                     std::isfinite(gain) ? fmt::format("{:.4f}", gain) : "-",
                      std::isfinite(sign) ? (sign < 0.0 ? "-" : "+") : "?",
                      std::isfinite(comac) ? fmt::format("{:.3f}", comac) : "-");
 }

@@ -56,5 +56,25 @@ TEST(BestStarts, AreOfDifferentPlaces) {
   EXPECT_NEAR(starts[0].cause.x(0), 0.03, 1e-3);
 }
 
+// The cheap way to a misfit sees what the modes above the band do.
+TEST(Misfits, OfTheModesAboveAreThoseOfTheirResponses) {
+  const auto& plate = small_plate();
+  const Supposed truth{&effect("modes_above"), 0, Eigen::VectorXd::Constant(1, std::log(2.5))};
+  const auto observed = seen_with(truth, plate);
+  const Scene scene(plate, observed, state_of(plate),
+                    MatrixXd::Zero(observed.value.rows(), observed.value.cols()));
+  ASSERT_TRUE(scene.is_cheap(truth));
+  const auto starts = truth.effect->starts(scene);
+  const auto misfits = scene.misfits(*truth.effect, starts);
+  for (std::size_t n = 0; n < starts.size(); ++n) {
+    State changed = state_of(plate);
+    truth.effect->apply(changed, plate, 0, starts[n].x);
+    const Eigen::MatrixXcd rest = observed.value - responses(changed, observed.omega);
+    const double full = (rest.cwiseAbs().array() * scene.observed().weight.array()).square().sum();
+    EXPECT_NEAR(misfits(static_cast<Eigen::Index>(n)), full, 1e-6 * scene.misfit()) << n;
+  }
+  EXPECT_LT(misfits.minCoeff(), 1e-3 * scene.misfit());
+}
+
 }  // namespace
 }  // namespace chladni::diagnosis

@@ -96,6 +96,12 @@ struct Scene {
   const std::vector<BodyError>& body;
   SharedColumns columns;
   std::vector<ModeChange> changes;  // per error of the body
+
+  // All hypotheses have the same data: where the study states no damping there is none to compare
+  // with, also for a hypothesis with a dashpot.
+  [[nodiscard]] bool has_damping(Index i) const {
+    return measured.damping_ratio(i) > 0.0 && structure.damping_ratio.maxCoeff() > 0.0;
+  }
 };
 
 // Motion of channel i along an axis of the chart, behind record i.
@@ -287,8 +293,9 @@ ModeBlock paired(const Scene& scene, Index i, const std::vector<Index>& span,
     rows.shared(frequency, columns.of_body(static_cast<Index>(b))) =
         changes[b].frequency.dot(other.parts.cwiseAbs2());
   }
-  if (measured.damping_ratio(i) > 0.0 && model.damping_ratio(k) > 0.0) {
-    rows.add(std::log(measured.damping_ratio(i) / model.damping_ratio(k)), measured.damping_std(i),
+  if (scene.has_damping(i)) {
+    const double simulated = std::max(model.damping_ratio(k), kConstants.least_damping);
+    rows.add(std::log(measured.damping_ratio(i) / simulated), measured.damping_std(i),
              of(ErrorClass::damping));
   }
   const Index first_out = put_shape(rows, other.sensors, true);
@@ -313,7 +320,7 @@ ModeBlock alone(const Scene& scene, Index i) {
   const auto& measured = scene.measured;
   Rows rows(most_rows(measured), scene.columns.count(), 0, 0);
   rows.add(kConstants.alone_frequency, kConstants.alone_frequency, kNone);
-  if (measured.damping_ratio(i) > 0.0) rows.add(1.0, 1.0, kNone);
+  if (scene.has_damping(i)) rows.add(1.0, 1.0, kNone);
   const auto put = [&](const Eigen::MatrixXcd& shapes) {
     const auto values = rows_with_values(shapes, i);
     if (values.size() < 2) return values.size();

@@ -218,6 +218,35 @@ TEST(Matched, LeavesAStrangeModeAlone) {
   EXPECT_EQ(errors.blocks[0].count(), errors.blocks[1].count());
 }
 
+// Evidences are compared of the same data: a dashpot brings none with it, nor takes any away.
+TEST(Errors, AreAsManyForEveryHypothesis) {
+  RecordedModes model = modes_of(loaded());
+  const MeasuredModes measured = measured_of(model, 0.02);
+  const auto matching = matched_by_shape(measured, model);
+  const auto damped = errors_of(measured, model, matching);
+  model.damping_ratio(1) = 0.0;
+  const auto undamped = errors_of(measured, model, matching);
+  EXPECT_EQ(stacked(undamped).size(), stacked(damped).size());
+
+  Structure bare = small_plate();
+  bare.damping_ratio.setZero();
+  static const std::vector<BodyError> none;
+  const MatrixXd smooth = smooth_factor(bare);
+  auto alone = matching;
+  alone.model[0] = -1;
+  alone.span[0].clear();
+  for (const auto& one : {matching, alone}) {
+    for (const double ratio : {0.0, 1e-5, 0.02}) {
+      RecordedModes other = model;
+      other.damping_ratio.setConstant(ratio);
+      const auto errors =
+          mode_errors(bare, measured, other, some_units(), one, none, smooth, {}, true);
+      EXPECT_EQ(errors.blocks[0].count(), damped.blocks[0].count() - 1) << ratio;
+      EXPECT_EQ(errors.blocks[1].count(), damped.blocks[1].count() - 1) << ratio;
+    }
+  }
+}
+
 // A small change of a structure changes the errors a little, also where modes of one frequency part
 // or frequencies cross.
 TEST(Errors, AreContinuousInTheSizeOfACause) {
