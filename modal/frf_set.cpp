@@ -228,4 +228,26 @@ FrfSet band(const FrfSet& set, double low_hz, double high_hz) {
   return of_lines(set, first, last - first);
 }
 
+FrfSet outside_band(const FrfSet& set, double low_hz, double high_hz) {
+  const auto* begin = set.frequency_hz.data();
+  const auto* end = begin + set.line_count();
+  const auto below = std::lower_bound(begin, end, low_hz) - begin;
+  const auto above = end - std::upper_bound(begin, end, high_hz);
+  require(below + above > 0, "measured responses: no line outside " + fmt::to_string(low_hz) +
+                                 " to " + fmt::to_string(high_hz) + " Hz");
+  FrfSet both = of_lines(set, 0, below);
+  const FrfSet rest = of_lines(set, set.line_count() - above, above);
+  Eigen::VectorXd frequency(below + above);
+  frequency << both.frequency_hz, rest.frequency_hz;
+  both.frequency_hz = frequency;
+  const auto append = [](auto& to, const auto& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  append(both.value, rest.value);
+  append(both.variance, rest.variance);
+  append(both.noise_variance, rest.noise_variance);
+  append(both.coherence, rest.coherence);
+  return both;
+}
+
 }  // namespace chladni::modal

@@ -12,11 +12,11 @@ namespace chladni::modal {
 
 /// One end of a measured response.
 struct MeasuredChannel {
-  std::string name;               ///< "y1"; not empty, unique on its side
-  std::optional<long long> node;  ///< its number in a UFF file
+  std::string name;                                     ///< "y1"; not empty, unique on its side
+  std::optional<long long> node;                        ///< its number in a UFF file
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit; zero: not stated
   std::optional<Eigen::Vector3d> position;              ///< [m]
-  std::string unit;  ///< unit of the values: "m", "m/s^2", "N"; empty: not stated
+  std::string unit;                    ///< unit of the values: "m", "m/s^2", "N"; empty: not stated
   FrfKind kind = FrfKind::receptance;  ///< quantity of an output; inputs are forces
 };
 
@@ -58,5 +58,9 @@ void check(const FrfSet& set);
 [[nodiscard]] FrfSet part(const FrfSet& set, const std::vector<Eigen::Index>& outputs,
                           const std::vector<Eigen::Index>& inputs);
 [[nodiscard]] FrfSet band(const FrfSet& set, double low_hz, double high_hz);
+
+/// The lines that `band` leaves out.
+/// @throws InvalidInput  there are none
+[[nodiscard]] FrfSet outside_band(const FrfSet& set, double low_hz, double high_hz);
 
 }  // namespace chladni::modal

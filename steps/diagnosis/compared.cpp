@@ -26,21 +26,7 @@ using Eigen::Index;
 modal::FrfSet seen_of(const MeasuredFrfs& measured, const study::DiagnosisPlan& plan) {
   const auto part = modal::part(measured.all, measured.outputs, measured.inputs);
   if (plan.hold_out_high_hz <= 0.0) return part;
-  auto below = modal::band(part, 0.0, std::nextafter(plan.hold_out_low_hz, 0.0));
-  const auto above = modal::band(part, std::nextafter(plan.hold_out_high_hz, HUGE_VAL),
-                                 part.frequency_hz.maxCoeff());
-  const Index lines = below.line_count() + above.line_count();
-  Eigen::VectorXd frequency(lines);
-  frequency << below.frequency_hz, above.frequency_hz;
-  below.frequency_hz = frequency;
-  const auto append = [](auto& to, const auto& from) {
-    to.insert(to.end(), from.begin(), from.end());
-  };
-  append(below.value, above.value);
-  append(below.variance, above.variance);
-  append(below.noise_variance, above.noise_variance);
-  append(below.coherence, above.coherence);
-  return below;
+  return modal::outside_band(part, plan.hold_out_low_hz, plan.hold_out_high_hz);
 }
 
 // Number of time derivatives in the record of a sensor.

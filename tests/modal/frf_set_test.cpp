@@ -154,6 +154,23 @@ TEST(FrfSet, BandTakesItsEndsWithIt) {
   EXPECT_THROW((void)band(set, 901.0, 950.0), InvalidInput);
 }
 
+TEST(FrfSet, WhatABandLeavesOutMayLieOnOneSideOfIt) {
+  const auto set = measured(FrfKind::mobility);
+  const auto& hz = set.frequency_hz;
+  const auto last = set.line_count() - 1;
+  const auto both = outside_band(set, hz(3), hz(7));
+  EXPECT_EQ(both.line_count(), set.line_count() - 5);
+  EXPECT_EQ(both.frequency_hz(2), hz(2));
+  EXPECT_EQ(both.frequency_hz(3), hz(8));
+  EXPECT_EQ(both.value[3], set.value[8]);
+  EXPECT_EQ(both.variance.size(), both.value.size());
+  EXPECT_NO_THROW(check(both));
+  EXPECT_EQ(outside_band(set, hz(7), hz(last)).frequency_hz, hz.head(7));
+  EXPECT_EQ(outside_band(set, 0.0, hz(7)).frequency_hz, hz.tail(last - 7));
+  EXPECT_EQ(outside_band(set, hz(last) + 1.0, hz(last) + 2.0).line_count(), set.line_count());
+  EXPECT_THROW((void)outside_band(set, 0.0, hz(last)), InvalidInput);
+}
+
 TEST(FrfSet, BandAndConversionCommute) {
   const auto set = measured(FrfKind::accelerance);
   EXPECT_EQ(distance(converted(band(set, 100.0, 500.0), FrfKind::receptance).value,
