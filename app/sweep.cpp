@@ -75,6 +75,15 @@ void show_list(const sweep::Sweep& sweep, std::ostream& results) {
   }
 }
 
+// The options of this call that belong to each call of a script.
+std::vector<std::string> flags_of(const SweepCommand& command) {
+  std::vector<std::string> flags;
+  if (command.retry) flags.emplace_back("--retry");
+  if (!command.cache) flags.emplace_back("--no-cache");
+  if (command.reproducible) flags.emplace_back("--reproducible");
+  return flags;
+}
+
 void leave_scripts(const SweepCommand& command, const sweep::Sweep& sweep, std::ostream& results) {
   const auto folder = folder_of(command);
   fs::create_directories(folder);
@@ -84,7 +93,8 @@ void leave_scripts(const SweepCommand& command, const sweep::Sweep& sweep, std::
                                .folder = folder,
                                .allowed = command.allowed,
                                .variants = sweep.size(),
-                               .threads = command.threads};
+                               .threads = command.threads,
+                               .flags = flags_of(command)};
   write_atomically(folder / "sweep.sbatch", sweep::slurm_script(plan));
   write_atomically(folder / "sweep.mk", sweep::makefile(plan));
   results << fmt::format("{} variants\nsbatch {}\nmake -k -j 8 -f {}\nchladni gather {} -o {}\n",

@@ -19,4 +19,12 @@ std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folde
   return entries;
 }
 
+std::filesystem::path path_from(const std::filesystem::path& folder,
+                                const std::filesystem::path& target) {
+  const auto real = [](const std::filesystem::path& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path));
+  };
+  return real(target).lexically_relative(real(folder));
+}
+
 }  // namespace chladni

@@ -1,4 +1,4 @@
-// What is in a folder.
+// What is in a folder, and the way to it.
 #pragma once
 
 #include <filesystem>
@@ -10,5 +10,11 @@ namespace chladni {
 /// libstdc++ 12, which ends the process then, it throws where there is no memory.
 /// @throws std::bad_alloc
 [[nodiscard]] std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folder);
+
+/// `target` as it is seen from `folder`. Links on both ways are followed, so that the system finds
+/// it after the "..".
+/// @throws std::filesystem::filesystem_error  a loop of links
+[[nodiscard]] std::filesystem::path path_from(const std::filesystem::path& folder,
+                                              const std::filesystem::path& target);
 
 }  // namespace chladni

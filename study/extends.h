@@ -35,9 +35,14 @@ struct WholeDocument {
 [[nodiscard]] WholeDocument with_bases(TomlNode own, const std::filesystem::path& file,
                                        const BaseReader& read);
 
+/// What becomes of an element with `removed = true`: it removes that of the base, or it is kept for
+/// a base that comes later.
+enum class Removed { applied, kept };
+
 /// Merges `own` into `base` by the rules above.
 /// @param file  of `own`, for messages. @throws InvalidInput  a name that is removed but not there
-void merge(TomlNode& base, const TomlNode& own, const std::string& file);
+void merge(TomlNode& base, const TomlNode& own, const std::string& file,
+           Removed removed = Removed::applied);
 
 /// Table and key of each text that names a file from the study's folder, of an array of tables in
 /// each of its elements. `extends` and the tables of places are beside these.

@@ -22,7 +22,9 @@ struct NamedFile {
 /// The bases and the file of the body. With `measured` also all others that the study names:
 /// responses, recordings, shapes, tolerances, truths and specimens with the files of theirs. Only
 /// files that exist.
-[[nodiscard]] std::vector<NamedFile> named_files(const Study& study, bool measured);
+/// @param allowed  folders outside the study's from which files may be read
+[[nodiscard]] std::vector<NamedFile> named_files(
+    const Study& study, bool measured, const std::vector<std::filesystem::path>& allowed = {});
 
 /// The sha256 of files, each of which is read once. Safe to share between threads.
 class Fingerprints {

@@ -23,6 +23,7 @@ std::string quoted(const std::filesystem::path& path) {
 std::string command(const ScriptPlan& plan, const std::string& share) {
   std::string text = fmt::format("{} sweep {} -o {} --run {} --threads {}", quoted(plan.program),
                                  quoted(plan.plan), quoted(plan.folder), share, plan.threads);
+  for (const auto& flag : plan.flags) text += " " + flag;
   for (const auto& folder : plan.allowed) text += " --allow-outside " + quoted(folder);
   return text;
 }
@@ -44,7 +45,9 @@ std::string slurm_script(const ScriptPlan& plan) {
   return fmt::format(
       "#!/bin/bash\n"
       "# {} variants of a sweep. Submit it with: sbatch sweep.sbatch\n"
-      "# What is done is never done again: submit it again after a failure.\n"
+      "# What is done is never done again: submit it again after tasks were killed. What failed "
+      "runs\n"
+      "# again only with --retry.\n"
       "#SBATCH --job-name={}\n"
       "#SBATCH --array=1-{}\n"
       "#SBATCH --cpus-per-task={}\n"

@@ -13,6 +13,7 @@ struct ScriptPlan {
   std::vector<std::filesystem::path> allowed;
   long long variants = 0;
   int threads = 1;
+  std::vector<std::string> flags = {};  ///< further options of each call: --retry
 };
 
 /// Most tasks of a job array: SLURM's MaxArraySize is 1001 where nobody changed it.

@@ -8,8 +8,10 @@
 #include <variant>
 
 #include "base/error.h"
+#include "base/interrupt.h"
 #include "base/sha256.h"
 #include "host/atomic_file.h"
+#include "host/folder.h"
 #include "host/worker.h"
 #include "show/version.h"
 #include "study/origin.h"
@@ -28,9 +30,9 @@ constexpr auto kLongest = std::chrono::hours(24 * 365);
 // What the results depend on: keys, verb, program and the files that the study names. The title and
 // the place of the folder are not among it.
 std::string hash_of(const study::Study& read, const std::string& verb,
-                    study::Fingerprints& fingerprints) {
+                    const std::vector<fs::path>& allowed, study::Fingerprints& fingerprints) {
   std::string inputs = read.text + "\n" + verb + "\n" + show::version();
-  for (const auto& [name, file] : study::named_files(read, true)) {
+  for (const auto& [name, file] : study::named_files(read, true, allowed)) {
     inputs += "\n" + name + " " + fingerprints.of(file);
   }
   return sha256(inputs).substr(0, kHashDigits);
@@ -63,12 +65,9 @@ void make_folder(const fs::path& folder) {
   }
 }
 
-// `base` as seen from `folder`.
+// `base` as seen from `folder`. A base that is a link stays one: its files lie beside the link.
 std::string seen_from(const fs::path& folder, const fs::path& base) {
-  return fs::absolute(base)
-      .lexically_normal()
-      .lexically_relative(fs::absolute(folder).lexically_normal())
-      .generic_string();
+  return (path_from(folder, fs::absolute(base).parent_path()) / base.filename()).generic_string();
 }
 
 }  // namespace
@@ -95,7 +94,7 @@ Entry Sweep::entry(long long index) const {
   try {
     const auto read =
         study::parse_study(beside, plan_.base.parent_path() / "variant.toml", options_.allowed);
-    entry.hash = hash_of(read, plan_.verb, fingerprints_);
+    entry.hash = hash_of(read, plan_.verb, options_.allowed, fingerprints_);
   } catch (const InvalidInput& e) {
     throw InvalidInput(fmt::format("{}: variant {} ({}): {}", plan_.file.string(), index + 1,
                                    fmt::join(entry.labels, ", "), e.what()));
@@ -151,6 +150,7 @@ std::optional<Record> Sweep::called(const Entry& entry, const fs::path& part,
 }
 
 Met Sweep::run(long long index, bool again) const {
+  throw_if_interrupted();  // before another process is started
   const auto entry = this->entry(index);
   if (entry.record && !(again && entry.record->exit != 0))
     return {Outcome::found, entry.record, {}};

@@ -107,7 +107,7 @@ void Run::put_outdated_aside() {
 
 study::Origin Run::origin(bool measured) {
   study::Origin origin{study_.sha256, {}};
-  for (const auto& [name, file] : study::named_files(study_, measured)) {
+  for (const auto& [name, file] : study::named_files(study_, measured, options_.allowed)) {
     origin.inputs[name] = fingerprints_.of(file);
   }
   return origin;

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/quantity.h"
+#include "host/folder.h"
 #include "mesh/site.h"
 #include "mesh/surface.h"
 #include "stage/faces.h"
@@ -201,8 +202,8 @@ std::string told_of(const study::Study& study, const stage::Outline& outline) {
 
 std::string part_name(const FirstChoices& choices, const fs::path& file) {
   if (choices.kind != "file") return "";
-  const auto folder = fs::weakly_canonical(fs::absolute(file).parent_path());
-  const auto name = fs::weakly_canonical(choices.part).lexically_relative(folder);
+  const auto folder = fs::absolute(file).parent_path();
+  const auto name = path_from(folder, choices.part);
   require(!name.empty() && *name.begin() != "..",
           choices.part.string() + " is not below the folder of the study, " + folder.string() +
               "; write the study beside its part, or copy the part there");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "host/folder.h"
 #include "steps/extend/extension.h"
 #include "study/extends.h"
 
@@ -14,17 +15,18 @@ namespace fs = std::filesystem;
 // Changes relative paths so that they are right in the extended study's folder:
 // "../../models/beam/measured.csv".
 void lead_paths(study::TomlEdit& edit, const fs::path& file, const fs::path& folder) {
-  const fs::path from = fs::weakly_canonical(fs::absolute(file)).parent_path();
-  const fs::path to = fs::weakly_canonical(fs::absolute(folder));
-  if (from == to) return;
+  const fs::path from = fs::absolute(file).parent_path();
+  const fs::path way = path_from(folder, from);
+  if (way == ".") return;
   const auto files = study::relative_files(edit.tree());
   for (const auto* file_name : files) {
-    edit.replace(*file_name, study::toml_text(
-                                 (from / file_name->text).lexically_relative(to).generic_string()));
+    edit.replace(*file_name,
+                 study::toml_text((way / file_name->text).lexically_normal().generic_string()));
   }
   if (files.empty()) return;
-  edit.append_comment(fmt::format(
-      "Its files lie with the study that was diagnosed: --allow-outside {}", from.string()));
+  edit.append_comment(
+      fmt::format("Its files lie with the study that was diagnosed: --allow-outside {}",
+                  fs::weakly_canonical(from).string()));
 }
 
 }  // namespace

@@ -58,10 +58,14 @@ bool complete(TomlNode& material, Problems& problems) {
   }
   const TomlNode place = *name;
   const auto* symmetry = member(material, "symmetry");
-  if (symmetry != nullptr && symmetry->text != known->symmetry) {
+  const bool is_another = symmetry != nullptr && symmetry->text != known->symmetry;
+  const auto is_stated = [&](const auto& constant) {
+    return constant.first == "density" || member(material, constant.first) != nullptr;
+  };
+  if (is_another && !std::ranges::all_of(known->constants, is_stated)) {
     problems.add(symmetry->line, symmetry->column,
                  "material \"" + place.text + "\" is " + std::string(known->symmetry) +
-                     "; leave symmetry out, or leave the name out and give all constants");
+                     "; leave symmetry out, or give all constants but the density");
     return true;
   }
   auto kind = node_at(place, Kind::text);

@@ -138,9 +138,11 @@ Study parse_study(std::string_view bytes, const fs::path& file,
 std::vector<fs::path> files_of(const fs::path& file, const std::vector<fs::path>& allowed) {
   std::vector<fs::path> all{file};
   std::set<fs::path> known{fs::absolute(file).lexically_normal()};
+  auto lent = allowed;  // to a base, a truth, a specimen
+  lent.push_back(fs::absolute(file).parent_path());
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (all[i].extension() != ".toml") continue;  // a base, a truth, a specimen name others
-    for (auto& named : names_in(all[i], allowed)) {
+    if (all[i].extension() != ".toml") continue;  // these name others
+    for (auto& named : names_in(all[i], i == 0 ? allowed : lent)) {
       if (known.insert(fs::absolute(named).lexically_normal()).second) all.push_back(named);
     }
   }

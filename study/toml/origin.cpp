@@ -30,13 +30,14 @@ void add(std::vector<NamedFile>& files, const Study& study, const fs::path& file
 // With `measured` also the files of its measurement. A truth stands by its modes alone: it may
 // extend the study that names it, and has then inherited itself as its truth.
 void add_study(std::vector<NamedFile>& files, const Study& study, const fs::path& other,
-               bool measured) {
+               bool measured, std::vector<fs::path> allowed) {
   add(files, study, other);
   if (other.empty() || files.empty() || files.back().file != other) return;
   try {
-    const auto read = read_study(other);
+    allowed.push_back(fs::absolute(study.file).parent_path());  // a series lends its folder
+    const auto read = read_study(other, allowed);
     if (!read.specimens.empty()) return;  // a series has no series as a specimen
-    for (const auto& one : named_files(read, measured)) add(files, study, one.file);
+    for (const auto& one : named_files(read, measured, allowed)) add(files, study, one.file);
   } catch (const InvalidInput&) {
     return;  // the step that needs that study reports the error
   }
@@ -80,7 +81,8 @@ std::string Fingerprints::of(const fs::path& file) {
   return known->second;
 }
 
-std::vector<NamedFile> named_files(const Study& study, bool measured) {
+std::vector<NamedFile> named_files(const Study& study, bool measured,
+                                   const std::vector<fs::path>& allowed) {
   std::vector<NamedFile> files;
   for (const auto& base : study.bases) add(files, study, base);
   for (const auto& file : study.files) {
@@ -88,7 +90,7 @@ std::vector<NamedFile> named_files(const Study& study, bool measured) {
     if (!is_body && !measured) continue;
     const bool is_specimen = file.key.starts_with("specimen");
     if (is_specimen || file.key.ends_with(".truth")) {
-      add_study(files, study, file.path, is_specimen);
+      add_study(files, study, file.path, is_specimen, allowed);
     } else {
       add(files, study, file.path);
     }

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <optional>
+#include <ranges>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
+#include "host/folder.h"
 #include "study/named_materials.h"
 #include "study/tables/array_places.h"
 
@@ -47,7 +50,7 @@ void lead_files(TomlNode& base, const fs::path& folder) {
 // Merges `own` into `base`.
 class Merge {
  public:
-  explicit Merge(std::string file) : file_(std::move(file)) {}
+  Merge(std::string file, Removed removed) : file_(std::move(file)), removed_(removed) {}
 
   void tables(TomlNode& base, const TomlNode& own) const {
     for (const auto& entry : own.members) {
@@ -85,7 +88,10 @@ class Merge {
     for (const auto& element : own.elements) {
       const auto name = element_name(element);
       const auto at = std::ranges::find(base.elements, name, element_name);
-      if (is_removed(element) && at == base.elements.end() && has_arrays) {
+      if (is_removed(element) && removed_ == Removed::kept && at != base.elements.end()) {
+        *at = element;
+      } else if (is_removed(element) && at == base.elements.end() &&
+                 (has_arrays || removed_ == Removed::kept)) {
         base.elements.push_back(element);  // of an array, perhaps: expand_arrays finds it
       } else if (is_removed(element)) {
         require(at != base.elements.end(),
@@ -102,6 +108,7 @@ class Merge {
   }
 
   std::string file_;
+  Removed removed_;
 };
 
 // Removes `extends` from the document and returns its value; none if there is none.
@@ -123,14 +130,15 @@ std::string place_of(const fs::path& file, const TomlNode& node) {
 
 }  // namespace
 
-void merge(TomlNode& base, const TomlNode& own, const std::string& file) {
-  Merge(file).tables(base, own);
+void merge(TomlNode& base, const TomlNode& own, const std::string& file, Removed removed) {
+  Merge(file, removed).tables(base, own);
 }
 
 WholeDocument with_bases(TomlNode own, const fs::path& file, const BaseReader& read) {
   WholeDocument whole{std::move(own), {}};
   put_material_names_into_tables(whole.tree);
   const auto folder = fs::absolute(file).parent_path();
+  std::vector<TomlNode> extending;  // the study first, each extends the next
   while (const auto extends = taken_out(whole.tree, file)) {
     fs::path base_file;
     std::string text;
@@ -150,11 +158,11 @@ WholeDocument with_bases(TomlNode own, const fs::path& file, const BaseReader& r
     std::erase_if(base.members, [](const auto& entry) {
       return entry.key == "expect" || entry.key == "specimen";
     });
-    lead_files(base, fs::absolute(base_file).parent_path().lexically_relative(folder));
+    lead_files(base, path_from(folder, fs::absolute(base_file).parent_path()));
     put_at(base, *extends);
-    merge(base, whole.tree, file.string());
-    whole.tree = std::move(base);
+    extending.push_back(std::exchange(whole.tree, std::move(base)));
   }
+  for (const auto& own : extending | std::views::reverse) merge(whole.tree, own, file.string());
   return whole;
 }
 

@@ -72,7 +72,7 @@ Variant Variants::at(long long index) const {
     rest /= count;
   }
   for (auto& point : points) {
-    merge(variant.sets, point.sets, plan_.file.string());
+    merge(variant.sets, point.sets, plan_.file.string(), Removed::kept);
     variant.labels.push_back(std::move(point.label));
   }
   return variant;
@@ -80,7 +80,7 @@ Variant Variants::at(long long index) const {
 
 std::string Variants::text(const Variant& variant, const std::string& base, bool title) const {
   std::string text = "extends = " + toml_text(base) + "\n";
-  if (title) {
+  if (title && member(variant.sets, "title") == nullptr) {
     std::string words = plan_.title;
     for (std::size_t a = 0; a < plan_.axes.size(); ++a) {
       words += fmt::format("{} {} {}", a == 0 ? ":" : ",", plan_.axes[a].name, variant.labels[a]);

@@ -104,6 +104,23 @@ rms = "0.1 N"
   EXPECT_TRUE(study::named_files(study, false).empty());
 }
 
+// A series lends its folder to specimens that lie below it and extend it.
+TEST_F(Origins, NameTheDataOfSpecimensInAFolderBelow) {
+  fs::create_directories(folder_ / "series");
+  write("series/one.csv", "frequency_hz\n500\n");
+  write("series/one.toml", "extends = \"../design.toml\"\n[measurement]\nmodes = \"one.csv\"\n");
+  const auto file = write("design.toml", std::string(kPlate) +
+                                             "[[specimen]]\nname = \"one\"\nstudy = "
+                                             "\"series/one.toml\"\n");
+  std::vector<std::string> names;
+  for (const auto& one : study::named_files(study::read_study(file), true)) {
+    names.push_back(one.name);
+  }
+  EXPECT_EQ(std::ranges::count(names, "series/one.csv"), 1) << names.size();
+  const auto watched = study::files_of(file, {});
+  EXPECT_EQ(std::ranges::count(watched, folder_ / "series/one.csv"), 1) << watched.size();
+}
+
 TEST_F(Origins, AFileIsHashedAsItsBytesAre) {
   for (const std::size_t size :
        {0U, 1U, 55U, 56U, 63U, 64U, 65U, 1048575U, 1048576U, 1048577U, 3000001U}) {

@@ -110,6 +110,44 @@ direction = "z"
   EXPECT_TRUE(own.expectations.empty());
 }
 
+// The nearest base may remove all of its own sensors, and a sensor of a base further away.
+TEST_F(Extends, RemovesChannelsOfEveryBase) {
+  write("far.toml", kBase);
+  write("near.toml", R"(extends = "far.toml"
+[[sensor]]
+name = "s3"
+at = ["0 mm", "0 mm"]
+direction = "z"
+)");
+  const auto own = read(R"(extends = "near.toml"
+[[sensor]]
+name = "s3"
+removed = true
+)");
+  ASSERT_EQ(own.sensors.size(), 2U);
+  EXPECT_EQ(own.sensors[0].name, "s1");
+  const auto other = read(R"(extends = "near.toml"
+[[sensor]]
+name = "s1"
+removed = true
+)");
+  ASSERT_EQ(other.sensors.size(), 2U);
+  EXPECT_EQ(other.sensors[0].name, "s2");
+  EXPECT_EQ(other.sensors[1].name, "s3");
+}
+
+// The system follows ".." from where a link leads, not from where it stands.
+TEST_F(Extends, FindsTheFilesOfABaseBehindALink) {
+  write("real/deep/w/base.toml", kBase + "[measurement]\nfrf = \"rig.csv\"\n");
+  write("real/deep/w/rig.csv", "");
+  fs::create_directories(folder_.path() / "x");
+  fs::create_directory_symlink(folder_.path() / "real/deep/w", folder_.path() / "w");
+  const auto file = write("x/own.toml", "extends = \"../w/base.toml\"\n");
+  const auto own = study::read_study(file, {folder_.path() / "real"});
+  EXPECT_TRUE(fs::equivalent(own.measurement->frf, folder_.path() / "real/deep/w/rig.csv"))
+      << own.measurement->frf;
+}
+
 TEST_F(Extends, ReplacesABodyOfAnotherKind) {
   write("base.toml", kBase);
   const auto own = read(R"(extends = "base.toml"

@@ -53,6 +53,29 @@ TEST(SweepPlan, TheGridHasEachPointOnceAndTheLastAxisChangesFastest) {
   EXPECT_EQ(variants.at(5).labels, (std::vector<std::string>{"24 mm", "80 GPa"}));
 }
 
+// Axes that touch one list: what is removed is removed from the base, whatever the order.
+TEST(SweepPlan, AnAxisMayRemoveAChannelThatAnotherMoves) {
+  const std::string moves = "[[axis]]\nkey = \"sensor[s1].at\"\nvalues = [[\"0 mm\", \"0 mm\"]]\n";
+  const std::string removes =
+      "[[axis]]\nname = \"without\"\n[[axis.choice]]\nlabel = \"s1\"\n"
+      "study = { sensor = [ { name = \"s1\", removed = true } ], title = \"bare\" }\n"
+      "[[axis.choice]]\nlabel = \"none\"\nstudy = { modes = { count = 7 } }\n";
+  for (const auto& axes : {moves + removes, removes + moves}) {
+    const SweepFolder folder("removed", "title = \"t\"\nbase = \"base.toml\"\n" + axes + kResult);
+    write(folder.path() / "base.toml",
+          kBase + "[[sensor]]\nname = \"s2\"\nat = [\"0 mm\", \"50 mm\"]\ndirection = \"z\"\n");
+    const auto plan = folder.plan();
+    const study::Variants variants(plan);
+    const auto bare = study_of(folder, variants, 0);
+    ASSERT_EQ(bare.sensors.size(), 1U);
+    EXPECT_EQ(bare.sensors[0].name, "s2");
+    EXPECT_EQ(bare.title, "bare");
+    const auto whole = study_of(folder, variants, 1);
+    ASSERT_EQ(whole.sensors.size(), 2U);
+    EXPECT_EQ(whole.sensors[0].at.point.x(), 0.0);
+  }
+}
+
 TEST(SweepPlan, AVariantIsItsBaseWithThePointsOfTheAxes) {
   const SweepFolder folder("variant");
   const auto plan = folder.plan();

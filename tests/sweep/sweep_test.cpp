@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <string>
 #include <system_error>
 
 #include "base/error.h"
+#include "base/interrupt.h"
+#include "study/study.h"
 #include "sweep/gathered.h"
 #include "sweep/scripts.h"
 #include "sweep/sweep_folder.h"
@@ -138,6 +141,31 @@ TEST(Sweep, AVariantThatIsNoStudyIsToldBeforeAnythingRuns) {
   EXPECT_EQ(folder.calls(), 0);
 }
 
+// The system follows ".." from where a link leads.
+TEST(Sweep, ItsFolderMayLieBehindALink) {
+  const SweepFolder folder("link");
+  fs::create_directories(folder.path() / "far/away/scratch");
+  fs::create_directory_symlink(folder.path() / "far/away/scratch", folder.path() / "out");
+  const Sweep sweep(folder.plan(), options_of(folder));
+  ASSERT_EQ(sweep.run(0).outcome, Outcome::ran);
+  const auto file = sweep.entry(0).folder / "study.toml";
+  const auto study = study::read_study(file, {folder.path()});
+  EXPECT_TRUE(fs::equivalent(study.bases.at(0), folder.path() / "base.toml"));
+}
+
+TEST(Sweep, StartsNothingAfterCtrlC) {
+  const SweepFolder folder("stopped");
+  const Sweep sweep(folder.plan(), options_of(folder));
+  {
+    const NotedInterrupts noted;
+    std::raise(SIGINT);
+    EXPECT_THROW(static_cast<void>(sweep.run(0)), Interrupted);
+  }
+  forget_interrupt();
+  EXPECT_FALSE(fs::exists(folder.path() / "out"));
+  EXPECT_EQ(folder.calls(), 0);
+}
+
 TEST(Sweep, AFolderThatCannotBeMadeIsTold) {
   const SweepFolder folder("no_folder");
   write(folder.path() / "out", "a file");
@@ -201,6 +229,15 @@ TEST(SweepScripts, CallTheProgramForEachVariant) {
   write(folder.path() / "sweep.mk", makefile(plan));
   ASSERT_EQ(std::system(("make -s -f " + (folder.path() / "sweep.mk").string()).c_str()), 0);
   EXPECT_EQ(content(folder.path() / "noted"), "1/3 sweep\n2/3 sweep\n3/3 sweep\n");
+}
+
+TEST(SweepScripts, CarryTheOptionsOfTheirCall) {
+  const SweepFolder folder("flags");
+  auto plan = script_plan(folder, 3);
+  plan.flags = {"--retry", "--no-cache"};
+  for (const auto& script : {slurm_script(plan), makefile(plan)}) {
+    EXPECT_NE(script.find(" --threads 1 --retry --no-cache"), std::string::npos) << script;
+  }
 }
 
 TEST(SweepScripts, ManyVariantsTakeTurnsInAThousandTasks) {
