@@ -13,8 +13,9 @@ using Member = priors::SimilarModel;
 
 /// `plan.members` draws of smooth random fields of modulus, density and thickness, and of four
 /// attached masses at random places of the surface. Rayleigh-Ritz on the computed modes:
-/// frequencies are slightly too high, and nodal lines move realistically.
-/// @throws NumericalFailure  a draw leaves no positive stiffness or mass
+/// frequencies are slightly too high, and nodal lines move realistically. A draw that leaves no
+/// positive stiffness or mass is no body, and is drawn again.
+/// @throws NumericalFailure  a hundred draws leave none
 [[nodiscard]] std::vector<Member> ensemble(const Solution& solution,
                                            const study::UncertaintyPlan& plan, unsigned seed);
 

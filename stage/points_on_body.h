@@ -10,6 +10,8 @@
 
 namespace chladni::stage {
 
+inline constexpr double kOnTheBody = 1e-3;  ///< [m]: a place that is farther off is an error
+
 /// The sites nearest to `points`, n×3 [m].
 /// @throws InvalidInput  a point is more than 1 mm off the surface, as for the places of a study:
 ///                       names its row, its place and the nearest one

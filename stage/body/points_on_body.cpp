@@ -9,8 +9,6 @@
 namespace chladni::stage {
 namespace {
 
-constexpr double kOnTheBody = 1e-3;  // [m]
-
 std::string in_mm(const Eigen::Vector3d& at) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g}) mm", 1e3 * at.x(), 1e3 * at.y(), 1e3 * at.z());
 }

@@ -156,11 +156,16 @@ Cost cost_of(const Cells& cells, double modes, std::size_t mirrors) {
   return cost;
 }
 
-/// Factor on `hz` at which the estimate is at most half of `most` modes, so that `most` is safe.
+/// Factor on `hz` at which the estimate is at most half of `most` modes, so that `most` is safe; 0
+/// where there is none: some modes are counted below every frequency.
 double frequency_ratio(const Understood& body, const fem::Material& material, double hz,
                        double most) {
+  constexpr double kLeast = 1e-3;
   double ratio = 1.0;
-  while (modes_below(body, material, ratio * hz) > 0.5 * most) ratio *= 0.9;
+  while (modes_below(body, material, ratio * hz) > 0.5 * most) {
+    ratio *= 0.9;
+    if (ratio < kLeast) return 0.0;
+  }
   return ratio;
 }
 
@@ -265,13 +270,12 @@ void refuse_too_many_modes(const study::Study& study, const Understood& body, co
   const double modes = modes_wanted(study, body);
   const double most = kModesPerFreedom * cost.degrees_of_freedom;
   if (!(up_to > 0.0 && modes > most)) return;
-  throw InvalidInput(
-      fmt::format("{}: modes.up_to is {:.6g} Hz, and about {:.2g} modes lie below it; a mesh of "
-                  "{:.0f} degrees "
-                  "of freedom has {:.0f} at most. Ask for less than about {:.2g} Hz, or shorten "
-                  "mesh.edge_length",
-                  study.file.string(), up_to, modes, cost.degrees_of_freedom, most,
-                  up_to * frequency_ratio(body, study.materials.front().material, up_to, most)));
+  const double safe = up_to * frequency_ratio(body, study.materials.front().material, up_to, most);
+  throw InvalidInput(fmt::format(
+      "{}: modes.up_to is {:.6g} Hz, and about {:.2g} modes lie below it; a mesh of {:.0f} degrees "
+      "of freedom has {:.0f} at most. {} mesh.edge_length",
+      study.file.string(), up_to, modes, cost.degrees_of_freedom, most,
+      safe > 0.0 ? fmt::format("Ask for less than about {:.2g} Hz, or shorten", safe) : "Shorten"));
 }
 
 bool fits(const Cost& cost, double have_bytes) {

@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 #include "base/draw.h"
 #include "base/error.h"
@@ -39,15 +41,54 @@ Eigen::MatrixXd mass_somewhere(const Solution& solution, Draw& draw) {
   return rows.transpose() * rows;
 }
 
-Member member(const Eigen::MatrixXd& stiffness, const Eigen::MatrixXd& mass) {
+constexpr double kRounding = 1e-6;  // of the largest eigenvalue; rigid-body modes have none
+constexpr int kDraws = 100;
+
+// None where the stiffness or the mass is not positive: no body has such.
+std::optional<Member> member(const Eigen::MatrixXd& stiffness, const Eigen::MatrixXd& mass) {
+  if (mass.llt().info() != Eigen::Success) return std::nullopt;
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(stiffness, mass);
-  if (solver.info() != Eigen::Success || !solver.eigenvalues().allFinite()) {
-    throw NumericalFailure(
-        "ensemble: a draw of the uncertain body has no positive mass; "
-        "choose smaller deviations");
+  const auto& values = solver.eigenvalues();
+  if (solver.info() != Eigen::Success || !values.allFinite() ||
+      values.minCoeff() < -kRounding * values.maxCoeff()) {
+    return std::nullopt;
   }
-  return {solver.eigenvalues().cwiseMax(0.0).cwiseSqrt() / (2.0 * std::numbers::pi),
-          solver.eigenvectors()};
+  return Member{values.cwiseMax(0.0).cwiseSqrt() / (2.0 * std::numbers::pi), solver.eigenvectors()};
+}
+
+// Relative changes of stiffness and mass, as amplitudes of the waves.
+struct Change {
+  Eigen::VectorXd stiffness, mass;
+};
+
+Change drawn_change(const study::UncertaintyPlan& plan, Draw& draw) {
+  const Eigen::VectorXd thickness = plan.thickness * amplitudes(draw);
+  Change change;
+  change.stiffness = plan.modulus * amplitudes(draw) + 3.0 * thickness;  // bending goes as t³
+  change.mass = plan.density * amplitudes(draw) + thickness;
+  return change;
+}
+
+// The study's body in the basis of its modes, and its waves.
+struct Basis {
+  const Solution& solution;
+  Eigen::VectorXd lambda;
+  fem::FieldMatrices fields;
+};
+
+std::optional<Member> changed(const Basis& of, const Change& change,
+                              const study::UncertaintyPlan& plan, Draw& draw) {
+  Eigen::MatrixXd stiffness = of.lambda.asDiagonal();
+  Eigen::MatrixXd mass = Eigen::MatrixXd::Identity(of.lambda.size(), of.lambda.size());
+  for (Eigen::Index f = 0; f < change.mass.size(); ++f) {
+    stiffness += change.stiffness(f) * of.fields.stiffness[static_cast<std::size_t>(f)];
+    mass += change.mass(f) * of.fields.mass[static_cast<std::size_t>(f)];
+  }
+  for (int i = 0; i < kMasses; ++i) {
+    const double heavy = plan.attached_mass * std::abs(draw.normal());
+    mass += heavy * mass_somewhere(of.solution, draw);
+  }
+  return member(stiffness, mass);
 }
 
 }  // namespace
@@ -55,31 +96,25 @@ Member member(const Eigen::MatrixXd& stiffness, const Eigen::MatrixXd& mass) {
 std::vector<Member> ensemble(const Solution& solution, const study::UncertaintyPlan& plan,
                              unsigned seed) {
   Draw draw(seed);
-  const Eigen::MatrixXd basis = waves(solution.model.body, kWaves);
-  Eigen::MatrixXd stiffness(basis.cols(), plan.members);
-  Eigen::MatrixXd mass(basis.cols(), plan.members);
-  for (Eigen::Index k = 0; k < plan.members; ++k) {
-    const Eigen::VectorXd thickness = plan.thickness * amplitudes(draw);
-    stiffness.col(k) = plan.modulus * amplitudes(draw) + 3.0 * thickness;  // bending goes as t³
-    mass.col(k) = plan.density * amplitudes(draw) + thickness;
-  }
+  std::vector<Change> changes;
+  for (Eigen::Index k = 0; k < plan.members; ++k) changes.push_back(drawn_change(plan, draw));
   const auto& modes = solution.modes;
-  const auto fields = fem::field_matrices(solution.model.body, solution.model.materials,
-                                          modes.shapes, basis, basis);
-  const Eigen::VectorXd lambda = (2.0 * std::numbers::pi * modes.frequency_hz).cwiseAbs2();
+  const Eigen::MatrixXd basis = waves(solution.model.body, kWaves);
+  const Basis of{solution, (2.0 * std::numbers::pi * modes.frequency_hz).cwiseAbs2(),
+                 fem::field_matrices(solution.model.body, solution.model.materials, modes.shapes,
+                                     basis, basis)};
   std::vector<Member> members;
-  for (Eigen::Index k = 0; k < plan.members; ++k) {
-    Eigen::MatrixXd k_sum = lambda.asDiagonal();
-    Eigen::MatrixXd m_sum = Eigen::MatrixXd::Identity(lambda.size(), lambda.size());
-    for (Eigen::Index f = 0; f < basis.cols(); ++f) {
-      k_sum += stiffness(f, k) * fields.stiffness[static_cast<std::size_t>(f)];
-      m_sum += mass(f, k) * fields.mass[static_cast<std::size_t>(f)];
+  for (auto& change : changes) {
+    auto drawn = changed(of, change, plan, draw);
+    for (int again = 1; !drawn && again < kDraws; ++again) {
+      drawn = changed(of, drawn_change(plan, draw), plan, draw);
     }
-    for (int i = 0; i < kMasses; ++i) {
-      const double heavy = plan.attached_mass * std::abs(draw.normal());
-      m_sum += heavy * mass_somewhere(solution, draw);
+    if (!drawn) {
+      throw NumericalFailure(
+          "ensemble: none of 100 draws of the uncertain body has a positive stiffness and mass; "
+          "choose smaller deviations");
     }
-    members.push_back(member(k_sum, m_sum));
+    members.push_back(*std::move(drawn));
   }
   return members;
 }

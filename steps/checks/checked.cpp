@@ -92,12 +92,11 @@ void look_for_files(const study::Study& study, stage::Work& work) {
 
 // Points at which motions are asked for must be on the body.
 void require_points(const study::Study& study, const mesh::TetMesh& shell) {
-  constexpr double kFarthest = 2e-3;  // [m]
   const mesh::SiteFinder finder(shell);
   study::Problems problems(study.file.string());
   const auto look = [&](const study::Place& at, const std::string& what) {
     const auto site = stage::site_at(finder, at);
-    if (site && site->distance <= kFarthest) return;
+    if (site && site->distance <= stage::kOnTheBody) return;
     problems.add(
         at.line, 1,
         fmt::format("{} is not on the body{}", what,

@@ -12,9 +12,8 @@ namespace chladni::steps {
 
 mesh::Site site_of(const study::Study& study, const mesh::SiteFinder& finder,
                    const study::Place& at, const std::string& what) {
-  constexpr double kFarthest = 2e-3;  // [m]
   const auto site = stage::site_at(finder, at);
-  require(site && site->distance <= kFarthest,
+  require(site && site->distance <= stage::kOnTheBody,
           fmt::format("{}:{}: {} is not on the body{}", study.file.string(), at.line, what,
                       site ? fmt::format(", which is {:.3g} mm away", 1e3 * site->distance) : ""));
   return *site;

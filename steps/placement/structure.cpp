@@ -38,8 +38,10 @@ Eigen::MatrixXd shapes_of_interest(const study::Study& study, const stage::Solut
   std::vector<mesh::Site> points;
   for (const auto& place : plan.interest) {
     const auto site = stage::site_at(finder, place);
-    require(site && site->distance < 1e-3, study.file.string() + ":" + fmt::to_string(place.line) +
-                                               ": a point of interest is not on the body");
+    require(site && site->distance <= stage::kOnTheBody,
+            fmt::format(
+                "{}:{}: a point of interest is not on the body{}", study.file.string(), place.line,
+                site ? fmt::format(", which is {:.3g} mm away", 1e3 * site->distance) : ""));
     points.push_back(*site);
   }
   return sampler.at(points).shapes;

@@ -134,6 +134,15 @@ TEST_F(BadInput, MoreModesThanThereAreIsRefused) {
   EXPECT_TRUE(says(refused.err, "400 flexible modes were asked for, expected 1 to "));
 }
 
+// Of so few degrees of freedom no frequency has few enough modes below it.
+TEST_F(BadInput, AFrequencyBeyondATinyMeshIsRefused) {
+  const auto refused =
+      check(plate_with({{"edge_length = \"10 mm\", order = 2", "edge_length = \"1 m\", order = 1"},
+                        {"count = 4", "up_to = \"500 Hz\""}}));
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_TRUE(says(refused.err, "at most. Shorten mesh.edge_length"));
+}
+
 TEST_F(BadInput, AnEnormousMeshIsRefusedBeforeItIsLaid) {
   const auto refused = modes(plate_with({{"10 mm", "0.02 mm"}}));
   EXPECT_EQ(refused.status, 3);
