@@ -34,6 +34,7 @@ struct Observer {
   double sample_time_s = 0.0;
   Eigen::Index judges = 0;  ///< the last points
   identification::ObservedPlaces places;
+  std::vector<Eigen::Vector3d> force_directions;  ///< of each of places.forces
   std::vector<modal::Disturbance> disturbances;
   modal::ControlModel plant;    ///< continuous: actuators, forces, floor to sensors, points
   Eigen::MatrixXd coordinates;  ///< m×n: modal coordinates [kg^1/2 m] of the plant's states

@@ -193,6 +193,15 @@ void set_excitation_of_file(const study::Study& study, Bench& bench) {
   options.actuator_names = study::names_of(study.actuators);
   options.sample_time_s = bench.rig.sample_time_s;
   bench.excitation = io::read_time(path, options).data;
+  const auto per_volt = study.design ? study.design->force_per_volt : std::nullopt;
+  for (std::size_t j = 0; per_volt && j < bench.excitation.inputs.size(); ++j) {
+    auto& input = bench.excitation.inputs[j];
+    if (input.unit == "N") continue;
+    for (auto& record : bench.excitation.records) {
+      record.inputs.col(static_cast<Eigen::Index>(j)) *= *per_volt;
+    }
+    input.unit = "N";
+  }
   bench.plan.multisine.period = bench.excitation.records.front().inputs.rows();
 }
 

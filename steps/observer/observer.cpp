@@ -111,6 +111,7 @@ void add_disturbances(const study::Study& study, const stage::Solution& solution
     if (plan.kind == "force") {
       sites.push_back(site_of(study, finder, plan.at, "disturbance \"" + plan.name + "\""));
       along.push_back(direction_of(plan.direction, shapes, sites.back()));
+      result.force_directions.emplace_back(along.back().transpose());
       result.places.forces.push_back(plan.name);
       result.disturbances.push_back(
           disturbance_of(plan, plan.name, actuators + std::ssize(sites) - 1));

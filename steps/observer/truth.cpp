@@ -37,12 +37,13 @@ study::Study on_channels(const study::Study& study, const Observer& observer,
   for (const auto& one : model.seen.inputs) {
     result.actuators.push_back(channel(rig.actuators, one.name));
   }
+  std::size_t forces = 0;
   for (const auto& plan : study.observer->disturbances) {
     if (plan.kind != "force") continue;
     study::Channel force;
     force.name = plan.name;
     force.at = plan.at;
-    force.direction = plan.direction.value_or(Eigen::Vector3d::UnitZ());
+    force.direction = observer.force_directions.at(forces++);
     force.quantity = "force";
     result.actuators.push_back(force);
   }

@@ -73,11 +73,10 @@ TEST_F(Experiment, LeavesSignalsThatAreReadBackAndKeepTheLimits) {
             44 + 2 * 4 * (periods * static_cast<std::size_t>(samples) + ramp));
 }
 
-// `simulate` plays the file on the simulated rig: forces in N, so that no volts are in between.
+// `simulate` plays the file on the simulated rig, whose amplifiers make forces of its volts.
 TEST_F(Experiment, ItsSignalsArePlayedWithinTheStroke) {
-  auto text =
-      exchanged(text_of("experiment"), "voltage = \"10 V\"\nforce_per_volt = \"0.3 N/V\"\n", "");
-  text = exchanged(text, "stroke = \"0.5 mm\"", "stroke = \"0.02 mm\"\nrealisations = 2");
+  const auto text = exchanged(text_of("experiment"), "stroke = \"0.5 mm\"",
+                              "stroke = \"0.02 mm\"\nrealisations = 2");
   (void)design(text);
   const auto played = exchanged(text, "noise = \"1 um\"",
                                 "noise = \"1 um\"\nexcitation = \"out/excitation.csv\"\n"
