@@ -48,11 +48,14 @@ std::string size_error(const Extension& by) {
   if (kind == "sphere") return "a sphere has no size seen along z alone";
   if (!looks_along_z(by)) return kOtherChart;
   const auto* body = study::member(*study::member(by.edit.tree(), "geometry"), kind);
+  bool is_scaled = false;
   for (const auto* key : {"length", "width", "diameter"}) {
-    if (const auto* value = study::member(*body, key))
+    if (const auto* value = study::member(*body, key)) {
       scale(by, *value, 1.0 + by.number("relative"));
+      is_scaled = true;
+    }
   }
-  return {};
+  return is_scaled ? "" : "the size of a " + kind + " is not one number of the study";
 }
 
 std::string gigapascals(double value) { return study::toml_text(digits(1e-9 * value) + " GPa"); }

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "diagnosis/effect.h"
 #include "extended_plate.h"
+#include "stage/plane_stress.h"
 #include "steps/extend/extension.h"
 
 namespace chladni::steps {
@@ -44,6 +45,37 @@ TEST(ExtendedStudy, ScalesTheBody) {
   EXPECT_NEAR(constants[2].second, 2700.0 * 1.05, 1e-6);
   EXPECT_NEAR(std::get<mesh::Plate>(study.geometry.body).thickness, 0.0102, 1e-12);
   EXPECT_NEAR(study.modes.damping_ratio, 0.015, 1e-12);
+}
+
+// The text of a study states the constants that a name stands for.
+TEST(ExtendedStudy, MakesANamedMaterialOrthotropic) {
+  auto text = kStudy;
+  const auto begin = text.find("material = ");
+  text.replace(begin, text.find('\n', begin) - begin, "material = \"aluminium 6061\"");
+  const auto named = study::parse_study(text, kFile);
+  const auto result =
+      extended({cause("orthotropy", {{"along_u", 0.1}, {"shear", 0.05}})}, named.text);
+  EXPECT_TRUE(result.unexpressed.empty()) << result.unexpressed.front();
+  const auto study = read(result);
+  EXPECT_EQ(study.materials.at(0).symmetry, "orthotropic");
+  const auto& before = named.materials.at(0).material;
+  const auto& after = study.materials.at(0).material;
+  EXPECT_NEAR(after.density, before.density, 1e-9 * before.density);
+  const double more = (after.stiffness - before.stiffness)(0, 0) /
+                      stage::plane_stress(before.stiffness, 0, 1)(0, 0);
+  EXPECT_NEAR(more, 0.1, 1e-6);
+}
+
+TEST(ExtendedStudy, SaysThatAQuadrilateralHasNotOneSize) {
+  auto text = kStudy;
+  const auto begin = text.find("plate = {");
+  text.replace(
+      begin, text.find('}', begin) + 1 - begin,
+      "quadrilateral = { corners = [[\"-300 mm\", \"-200 mm\"], [\"300 mm\", \"-200 mm\"], "
+      "[\"300 mm\", \"200 mm\"], [\"-290 mm\", \"200 mm\"]], thickness = \"10 mm\" }");
+  const auto result = extended({cause("size_error", {{"relative", 0.01}})}, text);
+  ASSERT_EQ(result.unexpressed.size(), 1U);
+  EXPECT_NE(result.unexpressed[0].find("quadrilateral"), std::string::npos);
 }
 
 TEST(ExtendedStudy, HangsThingsOnTheBody) {
