@@ -63,6 +63,7 @@ void PythonWork::hear(std::string_view step, double fraction) {
 Said PythonWork::said() {
   Said said = said_;
   said.seconds = seconds();
+  said.seed = seed();
   warn_python(said.warnings);
   return said;
 }

@@ -21,6 +21,7 @@ namespace chladni::python {
 struct Said {
   std::vector<std::string> notes, warnings;
   std::vector<std::pair<std::string, double>> seconds;  ///< wall time of each part of the step
+  unsigned seed = 1;                                    ///< of the step
 };
 
 /// What a function of Python gives to a step beside the study.

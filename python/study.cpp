@@ -6,8 +6,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <sstream>
-
+#include "base/text_stream.h"
 #include "python/modes_result.h"
 #include "python/python_json.h"
 #include "python/result.h"
@@ -73,8 +72,9 @@ void save(const Result& result, const std::filesystem::path& folder, bool pictur
   options.folder = folder;
   options.pictures = pictures;
   options.allowed = result.opened()->allowed;
-  std::ostringstream shown;
-  std::ostringstream told;
+  options.seed = result.said().seed;
+  TextWriter shown;
+  TextWriter told;
   PythonWork work({result.opened(), {}}, {.progress = progress});
   work.done([&] {
     show::Talk talk(told, {.quiet = true});
@@ -84,7 +84,7 @@ void save(const Result& result, const std::filesystem::path& folder, bool pictur
     run.finish_pictures();
   });
   std::vector<std::string> warnings;
-  std::istringstream lines(told.str());
+  TextReader lines(told.str());
   constexpr std::string_view mark = "warning: ";
   for (std::string line; std::getline(lines, line);) {
     warnings.push_back(line.starts_with(mark) ? line.substr(mark.size()) : line);

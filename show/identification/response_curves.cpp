@@ -22,27 +22,41 @@ constexpr Index kMostShownLines = 1500;
 constexpr std::size_t kFewestChoices = 4;
 constexpr int kGreyDots = 6;
 
-// The lines that are shown: of each bucket those of the largest and the smallest response, by the
-// mean of the logarithms, so that resonances and antiresonances stay.
+// The mean of the logarithms of the responses at each line; NaN where none is measured or all are
+// 0.
+Eigen::VectorXd levels_of(const std::vector<OneResponse>& responses, Index lines) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(lines);
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(lines);
+  for (const auto& one : responses) {
+    for (Index k = 0; k < lines; ++k) {
+      const double size = std::abs(one.measured(k));
+      if (!(size > 0.0) || !std::isfinite(size)) continue;
+      sum(k) += std::log(size);
+      count(k) += 1.0;
+    }
+  }
+  return sum.cwiseQuotient(count);
+}
+
+// The lines that are shown: of each bucket those of the largest and the smallest response, so that
+// resonances and antiresonances stay.
 std::vector<Index> told_lines(const std::vector<OneResponse>& responses, Index lines) {
   std::vector<Index> told(static_cast<std::size_t>(lines));
   std::iota(told.begin(), told.end(), 0);
   if (lines <= kMostShownLines) return told;
-  Eigen::VectorXd level = Eigen::VectorXd::Zero(lines);
-  for (const auto& one : responses) {
-    level += one.measured.cwiseAbs().unaryExpr(
-        [](double v) { return v > 0.0 && std::isfinite(v) ? std::log(v) : 0.0; });
-  }
+  const auto level = levels_of(responses, lines);
   told.clear();
   const Index buckets = kMostShownLines / 2;
   for (Index b = 0; b < buckets; ++b) {
     const Index from = b * lines / buckets;
-    const auto bucket = level.segment(from, (b + 1) * lines / buckets - from);
-    Index low = 0, high = 0;
-    bucket.minCoeff(&low);
-    bucket.maxCoeff(&high);
-    told.push_back(from + std::min(low, high));
-    if (low != high) told.push_back(from + std::max(low, high));
+    Index low = -1, high = -1;
+    for (Index k = from; k < (b + 1) * lines / buckets; ++k) {
+      if (std::isnan(level(k))) continue;
+      if (low < 0 || level(k) < level(low)) low = k;
+      if (high < 0 || level(k) > level(high)) high = k;
+    }
+    told.push_back(low < 0 ? from : std::min(low, high));
+    if (low != high) told.push_back(std::max(low, high));
   }
   return told;
 }

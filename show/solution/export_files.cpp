@@ -19,12 +19,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kMark = "stiffness.petsc";  // in every export
+
 // A folder under another name until all of it is there.
 class NewFolder {
  public:
+  // The folder is replaced where it is empty or an earlier export's.
   explicit NewFolder(fs::path folder) : folder_(std::move(folder)), part_(folder_) {
     part_ += ".part";
     std::error_code fault;
+    const bool is_ours = !fs::exists(folder_, fault) || fs::exists(folder_ / kMark, fault) ||
+                         fs::is_empty(folder_, fault);
+    require(is_ours, folder_.string() +
+                         ": this folder is not of an earlier export, and is not replaced; give "
+                         "another output folder with -o");
     fs::remove_all(part_, fault);  // of a run that was cut off
     fs::create_directory(part_, fault);
     if (fault) {
@@ -42,8 +50,13 @@ class NewFolder {
 
   [[nodiscard]] fs::path operator/(const std::string& name) const { return part_ / name; }
   void move_into_place() {
-    fs::remove_all(folder_);
+    fs::path old = folder_;
+    old += ".old";
+    std::error_code ignored;
+    fs::remove_all(old, ignored);
+    if (fs::exists(folder_)) fs::rename(folder_, old);
     fs::rename(part_, folder_);
+    fs::remove_all(old, ignored);
   }
 
  private:

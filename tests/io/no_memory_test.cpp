@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <vector>
 
 #include "base/error.h"
 #include "host/atomic_file.h"
+#include "io/bytes/scratch_file.h"
 #include "io/json.h"
 #include "io/mat.h"
 #include "tests/failing_new.h"
@@ -76,6 +78,19 @@ TEST_F(FullDisk, LeavesNoHalfMatFile) {
     EXPECT_GT(fs::file_size(file), 80'000U);
     EXPECT_EQ(files_there(), 1);
   }
+}
+
+// The limit of the system on the size of files would end the program by a signal.
+TEST_F(FullDisk, IsToldOfAScratchFile) {
+  ScratchFile file;
+  const std::vector<double> numbers(1000, 1.5);
+  limit(1000);
+  EXPECT_THROW((void)file.append(numbers.data(), numbers.size()), OutOfResources);
+  setrlimit(RLIMIT_FSIZE, &before_);
+  const auto at = file.append(numbers.data(), numbers.size());
+  std::vector<double> back(numbers.size());
+  file.read(at, back.data(), back.size());
+  EXPECT_EQ(back, numbers);
 }
 
 }  // namespace

@@ -76,6 +76,19 @@ TEST(ResponseCurves, OfManyLinesTheResonanceStays) {
                   .all());
 }
 
+// Of small numbers, as receptances are, one that is not measured is no peak.
+TEST(ResponseCurves, ALineThatIsNotMeasuredHidesNoResonance) {
+  auto one = resonance("s", 20'000, 1.1);
+  one.measured *= 1e-9;
+  one.predicted[0] *= 1e-9;
+  Eigen::Index peak = 0;
+  const double most = one.measured.cwiseAbs().maxCoeff(&peak);
+  one.measured(peak - 1) = std::nan("");
+  one.measured(peak + 1) = 0.0;
+  const auto curves = response_curves(lines(20'000), {{"simulated", 2}}, {one}, "");
+  EXPECT_EQ((curves.x[0].array() == lines(20'000)(peak)).count(), 1) << most;
+}
+
 TEST(ResponseCurves, WhatWasNotMeasuredIsLeftOut) {
   auto unmeasured = resonance("none", 40, 1.1);
   unmeasured.measured.setConstant(NAN);

@@ -179,5 +179,20 @@ TEST_F(CommandLine, ExportLeavesNoHalfFolder) {
   EXPECT_EQ(left("out"), (std::vector<std::string>{"export.json", "system"}));
 }
 
+TEST_F(CommandLine, ExportReplacesNoFolderThatIsNotItsOwn) {
+  const auto file = write("study.toml", kPlate);
+  fs::create_directories(folder_ / "out/system");
+  ASSERT_EQ(run({"export", file.string(), "-o", "out"}).status, 0);  // an empty one is
+  ASSERT_EQ(run({"export", file.string(), "-o", "out"}).status, 0);
+  fs::remove_all(folder_ / "out/system");
+  fs::create_directories(folder_ / "out/system");
+  write("out/system/thesis.tex", "three years");
+  const auto refused = run({"export", file.string(), "-o", "out"});
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_TRUE(says(refused.err, "not of an earlier export"));
+  EXPECT_EQ(whole(folder_ / "out/system/thesis.tex"), "three years");
+  EXPECT_FALSE(fs::exists(folder_ / "out/system.part"));
+}
+
 }  // namespace
 }  // namespace chladni::app
