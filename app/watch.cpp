@@ -96,7 +96,7 @@ bool is_written(const Command& command, const fs::path& folder, const fs::path& 
   const auto from = fs::absolute(file).lexically_normal().lexically_relative(
       fs::absolute(folder).lexically_normal());
   const bool in_folder = !from.empty() && *from.begin() != "..";
-  return in_folder || (command.name == "simulate" && file.extension() != ".toml");
+  return (in_folder || command.name == "simulate") && file.extension() != ".toml";
 }
 
 int run_at_each_change(const Watch& watch) {

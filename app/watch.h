@@ -42,7 +42,7 @@ class WatchedFiles {
 };
 
 /// Whether a run of this verb may write the file itself: its results in `folder`, and the responses
-/// that `simulate` makes.
+/// that `simulate` makes. Studies are not written by a run that reads them.
 [[nodiscard]] bool is_written(const Command& command, const std::filesystem::path& folder,
                               const std::filesystem::path& file);
 

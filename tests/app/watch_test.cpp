@@ -3,6 +3,7 @@
 #include <csignal>
 #include <thread>
 
+#include "app/watch.h"
 #include "io/json.h"
 #include "tests/app/program.h"
 
@@ -177,6 +178,15 @@ frf = "rig.csv"
   ASSERT_TRUE(fs::exists(folder_ / "rig.csv")) << said();
   std::this_thread::sleep_for(1500ms);
   EXPECT_EQ(times("once more"), 0) << said();
+}
+
+// A study that is saved while it runs has changed, wherever the results go.
+TEST_F(Watching, NoRunWritesTheStudyThatItReads) {
+  EXPECT_TRUE(is_written(modes_command, ".", "modes.json"));
+  EXPECT_FALSE(is_written(modes_command, ".", "study.toml"));
+  EXPECT_FALSE(is_written(modes_command, "out", "rig.csv"));
+  EXPECT_TRUE(is_written(simulate_command, "out", "rig.csv"));
+  EXPECT_FALSE(is_written(simulate_command, "out", "rig.toml"));
 }
 
 TEST_F(Watching, SaysNothingButErrorsWhenQuiet) {
