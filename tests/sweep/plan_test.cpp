@@ -57,9 +57,9 @@ TEST(SweepPlan, TheGridHasEachPointOnceAndTheLastAxisChangesFastest) {
 TEST(SweepPlan, AnAxisMayRemoveAChannelThatAnotherMoves) {
   const std::string moves = "[[axis]]\nkey = \"sensor[s1].at\"\nvalues = [[\"0 mm\", \"0 mm\"]]\n";
   const std::string removes =
-      "[[axis]]\nname = \"without\"\n[[axis.choice]]\nlabel = \"s1\"\n"
+      "[[axis]]\nname = \"without\"\n[[axis.choice]]\nname = \"s1\"\n"
       "study = { sensor = [ { name = \"s1\", removed = true } ], title = \"bare\" }\n"
-      "[[axis.choice]]\nlabel = \"none\"\nstudy = { modes = { count = 7 } }\n";
+      "[[axis.choice]]\nname = \"none\"\nstudy = { modes = { count = 7 } }\n";
   for (const auto& axes : {moves + removes, removes + moves}) {
     const SweepFolder folder("removed", "title = \"t\"\nbase = \"base.toml\"\n" + axes + kResult);
     write(folder.path() / "base.toml",

@@ -160,8 +160,8 @@ TEST(Sweep, StartsNothingAfterCtrlC) {
     const NotedInterrupts noted;
     std::raise(SIGINT);
     EXPECT_THROW(static_cast<void>(sweep.run(0)), Interrupted);
+    forget_interrupt();
   }
-  forget_interrupt();
   EXPECT_FALSE(fs::exists(folder.path() / "out"));
   EXPECT_EQ(folder.calls(), 0);
 }

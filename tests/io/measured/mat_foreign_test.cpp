@@ -145,7 +145,7 @@ TEST_F(Mat, RecordingsOfDifferentLengthsAreRefused) {
       return std::vector<double>(static_cast<std::size_t>(count), 0.5);
     };
     put(file.path, version_5({doubles("y", y, numbers(y)), doubles("u", u, numbers(u)),
-                              doubles("sample_time", {1, 1}, {0.001})}));
+                              doubles("sample_time_s", {1, 1}, {0.001})}));
     return refusal_of([&] { return read_time(file.path); });
   };
   EXPECT_EQ(refused({8, 2}, {8, 1}), "");
