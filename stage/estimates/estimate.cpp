@@ -160,7 +160,7 @@ Cost cost_of(const Cells& cells, double modes, std::size_t mirrors) {
 /// where there is none: some modes are counted below every frequency.
 double frequency_ratio(const Understood& body, const fem::Material& material, double hz,
                        double most) {
-  constexpr double kLeast = 1e-3;
+  constexpr double kLeast = 1e-12;
   double ratio = 1.0;
   while (modes_below(body, material, ratio * hz) > 0.5 * most) {
     ratio *= 0.9;
