@@ -164,6 +164,8 @@ TEST(GainMatch, TurnsTheActuatorsWhereAllPairsAreTurned) {
     EXPECT_EQ(match.modes[0].sign, -1);
     const auto truth = truth_at(match, made.truth);
     EXPECT_LT((match.shapes - truth).norm(), 1e-10 * truth.norm());
+    const auto straight = matched(made, true_fit(made), with_pairs(made)).deviation;
+    EXPECT_LT((match.deviation - straight).norm(), 1e-9 * straight.norm());
   }
 }
 
