@@ -17,8 +17,8 @@ namespace chladni::fem {
 ///
 /// @param materials    one per region of the body
 /// @throws InvalidInput  a region has no material, a cell is inverted or flat at an integration
-///                       point (names the cell), a patch of a support does not exist, a mass or
-///                       stiffness is negative or not finite
+///                       point (names the cell), a patch of a support does not exist or has no
+///                       boundary face, a mass or stiffness is negative or not finite
 /// @throws Interrupted
 [[nodiscard]] System assemble(const mesh::TetMesh& body, const std::vector<Material>& materials,
                               const std::vector<Support>& supports = {},

@@ -67,8 +67,10 @@ void write_markers_vtu(const std::filesystem::path& file, const std::vector<Mark
 /// file in a worker, because on broken files its reader crashes or returns an empty grid without an
 /// error. Regions follow the cell array "region" where there is one. The boundary is found and its
 /// patches are named.
+/// @param notes  of what was dropped or turned is appended, if given
 /// @throws InvalidInput  not such a file, or a damaged one; names what was found
 /// @throws WorkerDied    the program chladni-vtu is missing
-[[nodiscard]] mesh::TetMesh read_vtu(const std::filesystem::path& file);
+[[nodiscard]] mesh::TetMesh read_vtu(const std::filesystem::path& file,
+                                     std::vector<std::string>* notes = nullptr);
 
 }  // namespace chladni::io

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "mesh/disjoint_sets.h"
 #include "mesh/numbering.h"
+#include "mesh/soundness/shells.h"
 
 namespace chladni::mesh {
 namespace {
@@ -154,6 +155,16 @@ void name_patches(TetMesh& mesh, double angle_degrees) {
 
 void name_patches(Surface& surface, double angle_degrees) {
   surface.patch_names = split({surface.points, surface.triangles}, angle_degrees, surface.patch);
+}
+
+std::vector<char> bounding_patches(const Surface& surface) {
+  const Material filled = material(surface, shells(surface));
+  std::vector<char> bounds(surface.patch_names.size(), 0);
+  for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+    if (!filled.outer(static_cast<std::size_t>(t))) continue;
+    bounds[static_cast<std::size_t>(surface.patch(t))] = 1;
+  }
+  return bounds;
 }
 
 }  // namespace chladni::mesh

@@ -46,12 +46,18 @@ struct TetMesh {
   [[nodiscard]] Eigen::Index tet_count() const { return tets.rows(); }
 };
 
-/// The same tetrahedra (their four corners) with nodes of `order` 1, 2 or 3 on straight edges and
-/// flat faces. Nodes on edges and faces are new; all cells of an edge or face share them. Corners
-/// keep their order and come first. Regions and patches are kept. Cost: linear.
+/// The same tetrahedra (their four corners) with nodes of `order` 1, 2 or 3: on straight edges and
+/// flat faces where the old ones are, and on the old curved ones where they are not. So order 3 is
+/// the shape of order 2; order 2 of 3 is near it; order 1 has straight edges only. Nodes on edges
+/// and faces are new; all cells of an edge or face share them. Corners keep their order and come
+/// first. Regions and patches are kept. Cost: linear.
 /// @throws InvalidInput  order is not 1, 2 or 3, a tetrahedron names a point that is not there, or
 ///                       a boundary face belongs to no tetrahedron
 [[nodiscard]] TetMesh with_order(const TetMesh& mesh, int order);
+
+/// How far the cells are bent: the largest distance of a node from its place on the straight edge
+/// or flat face, over the longest edge of the cell. 0 for order 1. Cost: linear.
+[[nodiscard]] double largest_bend(const TetMesh& mesh);
 
 /// Finds the boundary faces of `mesh.tets` (faces of only one tetrahedron), outward, all in patch 0
 /// "boundary". For meshes from files. Cost: linear.

@@ -26,6 +26,7 @@ namespace {
 enum class OfSurface { refined, stays };
 
 constexpr double largest_cell_count = 1e6;
+constexpr double most_cells = 3e7;  // hours, and more memory than a computer has beside K and M
 // TetGen's cells have between a third of and the whole largest volume. With this factor their mean
 // edge is the wanted one.
 constexpr double largest_over_regular_volume = 1.6;
@@ -47,6 +48,16 @@ void check_options(const MesherOptions& options) {
   require(options.smallest_dihedral_degrees >= 0.0 && options.smallest_dihedral_degrees <= 25.0,
           "mesh: the smallest dihedral angle is " +
               fmt::to_string(options.smallest_dihedral_degrees) + " degrees, expected 0 to 25");
+}
+
+// A slip of units must not take hours and the memory.
+void require_affordable(const SurfaceReport& report, double edge_length) {
+  const double cells = expected_count(report.volume, report.area, edge_length).tets;
+  require(cells <= most_cells,
+          fmt::format("mesh: an edge_length of {} makes about {:.3g} million tetrahedra, at most "
+                      "{:.0f} million can be made; take a longer one, or look at its unit and at "
+                      "that of the dimensions",
+                      in_mm(edge_length), 1e-6 * cells, 1e-6 * most_cells));
 }
 
 // The shift towards the origin. Far from the origin TetGen's sums lose the digits that its tests
@@ -290,6 +301,12 @@ double default_edge_length(const Surface& surface) {
   return std::max(wanted, affordable);
 }
 
+CellCount expected_count(double volume, double area, double edge_length) {
+  const double faces = 1.16 * area / (0.433 * edge_length * edge_length);
+  const double core = std::max(0.0, volume - 0.5 * edge_length * area);
+  return {1.6 * faces + 1.22 * core / (0.1179 * edge_length * edge_length * edge_length), faces};
+}
+
 TetMesh tetrahedralize(const Surface& surface, const MesherOptions& options,
                        const Progress& progress) {
   check_options(options);
@@ -299,6 +316,7 @@ TetMesh tetrahedralize(const Surface& surface, const MesherOptions& options,
   require(report.fit(), report.text());
   const double edge_length =
       options.edge_length > 0.0 ? options.edge_length : default_edge_length(body);
+  require_affordable(report, edge_length);
   tell(progress, "tetrahedra");
   TetMesh mesh = options.remesh_surface ? on_best_surface(body, options, edge_length)
                                         : meshed(body, options, edge_length, OfSurface::refined);

@@ -18,6 +18,7 @@ struct Outline {
   mesh::TetMesh shell;                   ///< its boundary; with linear tetrahedra or those of the
                                          ///< file if no mesher is needed
   std::optional<mesh::Surface> surface;  ///< checked and repaired, for TetGen
+  bool file_has_cells = false;           ///< the tetrahedra are those of a file
   double volume = 0.0;                   ///< [m^3]
   std::vector<std::string> notes;        ///< what was found, dropped, assumed or repaired
 };
@@ -28,8 +29,8 @@ struct Outline {
 [[nodiscard]] Outline outline_of(const study::Study& study, const Progress& progress = {});
 
 /// Tetrahedra of the study's order (chosen here if the study states none); those of a surface are
-/// taken from the cache of `work` where an earlier run has meshed it. @throws as
-/// mesh::tetrahedralize
+/// taken from the cache of `work` where an earlier run has meshed it. Warns where a lower order
+/// than the file's takes the curvature from its cells. @throws as mesh::tetrahedralize
 [[nodiscard]] mesh::TetMesh body_of(const study::Study& study, const Outline& outline, Work& work);
 
 /// The order of elements for this number of tetrahedra: the study's, or else the file's own, or

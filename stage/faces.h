@@ -50,7 +50,8 @@ template <typename Plan>
 /// Checks everything in the study that names faces of the body.
 /// @param body  may be a shell
 /// @throws InvalidInput  patches that do not exist, in placement, priors, interpolation, diagnosis
-///                       and supports: all together, with line and column
+///                       and supports, and supports on patches between two regions: all together,
+///                       with line and column
 void require_faces(const study::Study& study, const mesh::TetMesh& body);
 
 }  // namespace chladni::stage

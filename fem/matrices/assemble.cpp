@@ -221,6 +221,9 @@ DofMap dof_map(const mesh::TetMesh& body, const std::vector<Support>& supports,
     require(patch != body.patch_names.end(),
             "support: the body has no patch \"" + support.patch + "\"; there are: " + known);
     const auto index = patch - body.patch_names.begin();
+    require((body.face_patch.array() == static_cast<int>(index)).any(),
+            "support: the patch \"" + support.patch +
+                "\" has no face on the outside of the body; between two regions it holds nothing");
     for (Eigen::Index f = 0; f < body.faces.rows(); ++f) {
       if (body.face_patch(f) != index) continue;
       for (const auto node : body.faces.row(f)) {

@@ -68,7 +68,7 @@ Geometry read_with(const Reader& reader, const std::filesystem::path& file,
 // Reads a .vtu file. Our own files are in metres; files of other programs may have any unit.
 Geometry read_grid(const std::filesystem::path& file, const std::string& unit) {
   Geometry geometry;
-  geometry.body = read_vtu(file);
+  geometry.body = read_vtu(file, &geometry.notes);
   if (unit.empty()) geometry.notes.emplace_back("no length unit stated: taken as metres");
   return scaled(std::move(geometry), unit.empty() ? 1.0 : unit_factor(unit, "m"));
 }

@@ -23,6 +23,8 @@ constexpr std::array<std::array<std::size_t, 3>, 4> kFaces{
 // their effect.
 const std::set<std::string> kGenerators{"INCLUDE", "SYSTEM", "NGEN",  "NFILL",
                                         "NCOPY",   "NMAP",   "ELGEN", "ELCOPY"};
+// Keywords whose data lines are read here; those of another file would be missed.
+const std::set<std::string> kFilled{"NODE", "ELEMENT", "NSET", "ELSET", "SURFACE"};
 const std::set<std::string> kSilent{"HEADING",      "PREPRINT",     "PART",
                                     "END PART",     "ASSEMBLY",     "INSTANCE",
                                     "END INSTANCE", "END ASSEMBLY", "SOLID SECTION"};
@@ -79,8 +81,15 @@ class InpReader {
   void read_set(const Keyword& keyword, InpSets& sets, const std::string& name);
   void read_surface(const Keyword& keyword);
   void check_structure(const Keyword& keyword);
+  void follow_assembly(const Keyword& keyword);
+  // Nodes, elements and sets of the assembly itself are those of reference points.
+  [[nodiscard]] bool of_assembly() const { return in_assembly_ && !in_instance_; }
+  [[nodiscard]] std::vector<std::int64_t> elements_of(const std::string& what,
+                                                      const std::string& set) const;
+  [[nodiscard]] std::vector<std::int64_t> listed_by(const std::string& set, const Rows& rows) const;
+  void check_members(Notes* notes) const;
   void name_regions(Notes* notes);
-  bool explicit_sets_share_out(std::vector<int>& region);
+  bool explicit_sets_share_out(std::vector<int>& region, bool by_name);
   void name_faces(Notes* notes);
   void add_faces(const SurfaceEntry& entry, std::int64_t element);
   void name_triangles();
@@ -95,13 +104,13 @@ class InpReader {
   std::set<std::string> unused_;
   std::vector<std::int64_t> ids_of_element_;
   std::size_t lines_ = 0, parts_ = 0, instances_ = 0;
-  bool in_assembly_ = false;
+  bool in_assembly_ = false, in_instance_ = false;
 };
 
 void InpReader::read_nodes(const Keyword& keyword) {
   const std::string set = keyword.value("NSET");
   for (Fields fields; deck_.next_data(fields);) {
-    if (in_assembly_) continue;  // reference points
+    if (of_assembly()) continue;
     if (fields.size() != 4) {
       deck_.fail("a node of " + fmt::to_string(fields.size()) +
                  " fields, expected four: number, x, y, z (decimal commas are not read)");
@@ -113,6 +122,7 @@ void InpReader::read_nodes(const Keyword& keyword) {
 }
 
 void InpReader::read_element(const Fields& first_line, const ElementType& type, int region) {
+  if (first_line.empty()) deck_.fail("an element without numbers, expected its own and its nodes'");
   auto& ids = ids_of_element_;
   ids.clear();
   for (Fields fields = first_line;;) {
@@ -136,7 +146,7 @@ void InpReader::read_element(const Fields& first_line, const ElementType& type, 
 }
 
 void InpReader::read_elements(const Keyword& keyword) {
-  if (in_assembly_) return;
+  if (of_assembly()) return;
   const ElementType type = element_type(deck_, upper(keyword.value("TYPE")));
   const std::string set = keyword.value("ELSET");
   const int region = tets_.regions.index(set.empty() ? "body" : set);
@@ -148,7 +158,7 @@ void InpReader::read_elements(const Keyword& keyword) {
 
 void InpReader::read_set(const Keyword& keyword, InpSets& sets, const std::string& name) {
   if (name.empty()) deck_.fail("*" + keyword.name + " without a name");
-  const bool other_numbers = in_assembly_ && !keyword.has("INSTANCE");  // of reference points
+  const bool other_numbers = of_assembly() && !keyword.has("INSTANCE");
   if (!other_numbers) sets.declare(name);
   for (Fields fields; deck_.next_data(fields);) {
     if (other_numbers) continue;
@@ -158,11 +168,12 @@ void InpReader::read_set(const Keyword& keyword, InpSets& sets, const std::strin
       sets.add_range(name, deck_.id(fields[0]), deck_.id(fields[1]), step);
       continue;
     }
+    if (keyword.name == "SURFACE" && !fields.empty()) fields.resize(1);  // then an area
     for (const std::string_view field : fields) {
       if (integer_in(field)) {
         sets.add(name, deck_.id(field));
       } else if (!field.empty()) {
-        sets.add_set(name, std::string(field));
+        sets.add_set(name, label_in(field));
       }
     }
   }
@@ -178,7 +189,7 @@ void InpReader::read_surface(const Keyword& keyword) {
     if (integer_in(fields[0])) {
       entry.element = deck_.id(fields[0]);
     } else {
-      entry.set = std::string(fields[0]);
+      entry.set = label_in(fields[0]);
     }
     if (fields.size() == 2) {
       const std::string face = upper(fields[1]);
@@ -192,24 +203,34 @@ void InpReader::read_surface(const Keyword& keyword) {
 }
 
 void InpReader::check_structure(const Keyword& keyword) {
-  if (kGenerators.contains(keyword.name) || keyword.has("INPUT")) {
+  const bool elsewhere = kFilled.contains(keyword.name) && keyword.has("INPUT");
+  if (kGenerators.contains(keyword.name) || elsewhere) {
     deck_.fail("*" + keyword.name + " brings in or makes nodes and elements that are not in " +
                "this file, expected a flat deck: write all of them out");
   }
   if (keyword.name == "NODE" && keyword.has("SYSTEM") && upper(keyword.value("SYSTEM")) != "R") {
     deck_.fail("*NODE in a cylindrical or spherical system, expected x, y, z");
   }
+  follow_assembly(keyword);
+}
+
+// An instance with its own nodes and elements (an independent one) is the body, as a part is.
+void InpReader::follow_assembly(const Keyword& keyword) {
   if (keyword.name == "ASSEMBLY") in_assembly_ = true;
   if (keyword.name == "END ASSEMBLY") in_assembly_ = false;
+  if (keyword.name == "END INSTANCE") in_instance_ = false;
   parts_ += keyword.name == "PART" ? 1 : 0;
   instances_ += keyword.name == "INSTANCE" ? 1 : 0;
   if (parts_ > 1 || instances_ > 1) {
     deck_.fail("several parts or instances, expected one body: write a flat deck, or merge them");
   }
-  Fields fields;
-  if (keyword.name == "INSTANCE" && deck_.next_data(fields)) {
-    deck_.fail("an *INSTANCE that is moved, expected one in place");
+  if (keyword.name != "INSTANCE") return;
+  in_instance_ = true;
+  for (InpSets* const sets : {&node_sets_, &element_sets_, &card_sets_}) {
+    sets->set_instance(keyword.value("NAME"));
   }
+  Fields fields;
+  if (deck_.next_data(fields)) deck_.fail("an *INSTANCE that is moved, expected one in place");
 }
 
 void InpReader::read(const Keyword& keyword) {
@@ -226,12 +247,44 @@ void InpReader::read(const Keyword& keyword) {
   if (!kSilent.contains(keyword.name) && unused_.size() < kMostNamed) unused_.insert(keyword.name);
 }
 
+// The elements of a set, whether *ELSET or *ELEMENT names it, or both.
+std::vector<std::int64_t> InpReader::elements_of(const std::string& what,
+                                                 const std::string& set) const {
+  if (!element_sets_.has(set) && !card_sets_.has(set)) {
+    throw InvalidInput(what + " of the unknown set " + shown(set));
+  }
+  return element_sets_.ids(set, tet_rows_, &card_sets_);
+}
+
+// The elements of an *ELSET. A set that has all of them only because it names the sets of *ELEMENT
+// (FreeCAD's Eall) names no part of the body, and these names are left out.
+std::vector<std::int64_t> InpReader::listed_by(const std::string& set, const Rows& rows) const {
+  auto own = element_sets_.ids(set, rows);
+  auto united = element_sets_.ids(set, rows, &card_sets_);
+  return united.size() == rows.size() && own.size() < united.size() ? own : united;
+}
+
+void InpReader::check_members(Notes* notes) const {
+  const auto elements = element_sets_.missing(&card_sets_);
+  if (!elements.empty()) {
+    throw InvalidInput("*ELSET lists what is no element and no set of elements of this file: " +
+                       listed(elements));
+  }
+  const auto nodes = node_sets_.missing();
+  if (!nodes.empty()) {
+    add_note(notes, "*NSET lists what is no node and no set of nodes of this file, left out: " +
+                        listed(nodes));
+  }
+}
+
 // Without sections, the sets become the regions if together they contain every tetrahedron exactly
 // once (Gmsh's physical volumes).
-bool InpReader::explicit_sets_share_out(std::vector<int>& region) {
+// @param by_name  sets of *ELEMENT that an *ELSET names belong to it
+bool InpReader::explicit_sets_share_out(std::vector<int>& region, bool by_name) {
   region.assign(tets_.tet_count(), -1);
   for (const std::string& name : element_sets_.names()) {
-    for (const std::int64_t id : element_sets_.ids(name, tet_rows_)) {
+    const auto ids = by_name ? listed_by(name, tet_rows_) : element_sets_.ids(name, tet_rows_);
+    for (const std::int64_t id : ids) {
       int& mine = region[static_cast<std::size_t>(tet_rows_.row(id))];
       if (mine >= 0) return false;
       mine = tets_.regions.index(name);
@@ -243,13 +296,11 @@ bool InpReader::explicit_sets_share_out(std::vector<int>& region) {
 void InpReader::name_regions(Notes* notes) {
   std::vector<int> region;
   if (sections_.empty()) {
-    if (!explicit_sets_share_out(region)) return;
+    if (!explicit_sets_share_out(region, false) && !explicit_sets_share_out(region, true)) return;
   } else {
     region.assign(tets_.tet_count(), -1);
     for (const std::string& name : sections_) {
-      const InpSets& sets = element_sets_.has(name) ? element_sets_ : card_sets_;
-      if (!sets.has(name)) throw InvalidInput("*SOLID SECTION of the unknown set " + shown(name));
-      for (const std::int64_t id : sets.ids(name, tet_rows_)) {
+      for (const std::int64_t id : elements_of("*SOLID SECTION", name)) {
         region[static_cast<std::size_t>(tet_rows_.row(id))] = tets_.regions.index(name);
       }
     }
@@ -277,15 +328,15 @@ void InpReader::add_faces(const SurfaceEntry& entry, std::int64_t element) {
 // *ELEMENT.
 void InpReader::name_triangles() {
   std::vector<bool> named(triangles_.size(), false);
-  for (const InpSets* const sets : {&element_sets_, &card_sets_}) {
-    for (const std::string& name : sets->names()) {
-      for (const std::int64_t id : sets->ids(name, triangle_rows_)) {
-        const auto row = static_cast<std::size_t>(triangle_rows_.row(id));
-        if (!named[row]) tets_.face(triangles_[row].corners, tets_.patches.index(name));
-        named[row] = true;
-      }
+  const auto name_all = [&](const std::string& name, const std::vector<std::int64_t>& ids) {
+    for (const std::int64_t id : ids) {
+      const auto row = static_cast<std::size_t>(triangle_rows_.row(id));
+      if (!named[row]) tets_.face(triangles_[row].corners, tets_.patches.index(name));
+      named[row] = true;
     }
-  }
+  };
+  for (const auto& name : element_sets_.names()) name_all(name, listed_by(name, triangle_rows_));
+  for (const auto& name : card_sets_.names()) name_all(name, card_sets_.ids(name, triangle_rows_));
 }
 
 void InpReader::name_faces(Notes* notes) {
@@ -294,12 +345,9 @@ void InpReader::name_faces(Notes* notes) {
       add_faces(entry, entry.element);
       continue;
     }
-    const InpSets& sets = element_sets_.has(entry.set) ? element_sets_ : card_sets_;
-    if (!sets.has(entry.set)) {
-      throw InvalidInput("*SURFACE " + shown(entry.patch) + " of the unknown set " +
-                         shown(entry.set));
+    for (const std::int64_t id : elements_of("*SURFACE " + shown(entry.patch), entry.set)) {
+      add_faces(entry, id);
     }
-    for (const std::int64_t id : sets.ids(entry.set, tet_rows_)) add_faces(entry, id);
   }
   name_triangles();
   for (const std::string& name : node_sets_.names()) {
@@ -312,6 +360,7 @@ mesh::TetMesh InpReader::mesh(Notes* notes) {
   for (Keyword keyword; deck_.next_keyword(keyword);) read(keyword);
   tet_rows_.sort("element");
   triangle_rows_.sort("element");
+  check_members(notes);
   name_regions(notes);
   name_faces(notes);
   if (!unused_.empty()) {

@@ -36,6 +36,12 @@ std::string Keyword::value(const std::string& parameter) const {
   return found == parameters.end() ? std::string() : found->second;
 }
 
+std::string label_in(std::string_view field) {
+  std::string label(field);
+  std::erase(label, '"');
+  return label;
+}
+
 // Reads the next line that is neither empty nor a comment into text_; false at the end.
 bool InpDeck::read_line() {
   while (!pending_ && !ended_) {

@@ -22,6 +22,9 @@ struct Keyword {
   }
 };
 
+/// The name of a set in a data line, without its quotes: "my set" or P-1."my set".
+[[nodiscard]] std::string label_in(std::string_view field);
+
 /// Reads a deck once from start to end. Comments (**) and empty lines are skipped. A keyword line
 /// that ends with a comma continues on the next line.
 class InpDeck {

@@ -6,24 +6,38 @@
 #include "io/scan.h"
 
 namespace chladni::io {
-namespace {
 
-std::string key_of(std::string_view name) {
-  const std::size_t dot = name.rfind('.');
-  return upper(dot == name.npos ? name : name.substr(dot + 1));
+void InpSets::set_instance(const std::string& name) {
+  instance_ = name.empty() ? "" : upper(name) + ".";
 }
 
-}  // namespace
+// In upper case.
+std::string InpSets::without_instance(const std::string& name) const {
+  const std::string key = upper(name);
+  return key.starts_with(instance_) ? key.substr(instance_.size()) : key;
+}
+
+// The 7 of "Part-1-1.7".
+std::optional<std::int64_t> InpSets::id_of_instance(const std::string& name) const {
+  const std::string id = without_instance(name);
+  return id.size() < name.size() ? integer_in(id) : std::nullopt;
+}
 
 InpSets::Set& InpSets::at(const std::string& name) {
-  const auto [entry, is_new] = sets_.try_emplace(key_of(name));
+  const auto [entry, is_new] = sets_.try_emplace(upper(name));
   if (is_new) names_.push_back(name);
   return entry->second;
 }
 
+const InpSets::Set* InpSets::find(const std::string& name) const {
+  auto found = sets_.find(upper(name));
+  if (found == sets_.end()) found = sets_.find(without_instance(name));
+  return found == sets_.end() ? nullptr : &found->second;
+}
+
 void InpSets::declare(const std::string& name) { static_cast<void>(at(name)); }
 
-bool InpSets::has(const std::string& name) const { return sets_.contains(key_of(name)); }
+bool InpSets::has(const std::string& name) const { return find(name) != nullptr; }
 
 void InpSets::add(const std::string& name, std::int64_t id) {
   auto& ranges = at(name).ranges;
@@ -44,28 +58,48 @@ void InpSets::add_set(const std::string& name, const std::string& member) {
   at(name).members.push_back(member);
 }
 
-std::vector<std::int64_t> InpSets::ids(const std::string& name, const Rows& all) const {
+std::vector<std::int64_t> InpSets::ids(const std::string& name, const Rows& all,
+                                       const InpSets* also) const {
   const auto existing = all.sorted();
   std::vector<bool> inside(existing.size(), false);
-  std::set<std::string> seen;
-  std::vector<std::string> to_see{key_of(name)};
-  while (!to_see.empty()) {
-    const std::string key = to_see.back();
-    to_see.pop_back();
-    const auto set = sets_.find(key);
-    if (set == sets_.end() || !seen.insert(key).second) continue;
-    for (const std::string& member : set->second.members) to_see.push_back(key_of(member));
-    for (const auto& [first, last, step] : set->second.ranges) {
-      auto entry = std::lower_bound(existing.begin(), existing.end(), std::pair(first, 0));
-      for (; entry != existing.end() && entry->first <= last; ++entry) {
-        if ((entry->first - first) % step != 0) continue;
-        inside[static_cast<std::size_t>(entry - existing.begin())] = true;
-      }
+  const auto take = [&](std::int64_t first, std::int64_t last, std::int64_t step) {
+    auto entry = std::lower_bound(existing.begin(), existing.end(), std::pair(first, 0));
+    for (; entry != existing.end() && entry->first <= last; ++entry) {
+      if ((entry->first - first) % step != 0) continue;
+      inside[static_cast<std::size_t>(entry - existing.begin())] = true;
     }
+  };
+  std::set<const Set*> seen;
+  std::vector<std::string> to_see{name};
+  while (!to_see.empty()) {
+    const std::string next = std::move(to_see.back());
+    to_see.pop_back();
+    bool is_set = false;
+    for (const InpSets* const sets : {this, also}) {
+      const Set* const set = sets == nullptr ? nullptr : sets->find(next);
+      is_set = is_set || set != nullptr;
+      if (set == nullptr || !seen.insert(set).second) continue;
+      to_see.insert(to_see.end(), set->members.begin(), set->members.end());
+      for (const auto& [first, last, step] : set->ranges) take(first, last, step);
+    }
+    if (is_set) continue;
+    if (const auto id = id_of_instance(next)) take(*id, *id, 1);
   }
   std::vector<std::int64_t> found;
   for (std::size_t i = 0; i < inside.size(); ++i) {
     if (inside[i]) found.push_back(existing[i].first);
+  }
+  return found;
+}
+
+std::vector<std::string> InpSets::missing(const InpSets* also) const {
+  std::vector<std::string> found;
+  for (const std::string& name : names_) {
+    for (const std::string& member : find(name)->members) {
+      const bool known = has(member) || (also != nullptr && also->has(member)) ||
+                         id_of_instance(member).has_value();
+      if (!known) found.push_back(shown(member) + " of " + shown(name));
+    }
   }
   return found;
 }

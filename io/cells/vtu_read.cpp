@@ -23,7 +23,7 @@ WorkerLimits limits(const std::filesystem::path& file) {
           .files = {file}};
 }
 
-mesh::TetMesh mesh_of(const Message& found) {
+mesh::TetMesh mesh_of(const Message& found, Notes* notes) {
   const auto& points = found.numbers("points");
   const Cells& tets = found.cells("tets");
   const Cells& region = found.cells("region");
@@ -42,18 +42,18 @@ mesh::TetMesh mesh_of(const Message& found) {
                                               : fmt::format("region_{}", region(t));
     result.tet(t, nodes, result.regions.index(name));
   }
-  return result.mesh(nullptr);
+  return result.mesh(notes);
 }
 
 }  // namespace
 
-mesh::TetMesh read_vtu(const std::filesystem::path& file) {
+mesh::TetMesh read_vtu(const std::filesystem::path& file, Notes* notes) {
   require(std::filesystem::is_regular_file(file),
           file.string() + ": there is no such file, or it is not a regular one");
   const std::filesystem::path worker = worker_path("chladni-vtu");
   try {
     const auto result = run_worker(worker, {file.string()}, "", limits(file));
-    return mesh_of(reply_of(worker, [&] { return message(result.output); }));
+    return mesh_of(reply_of(worker, [&] { return message(result.output); }), notes);
   } catch (const UnusableReply&) {
     throw;
   } catch (const ForbiddenCall& call) {

@@ -1,6 +1,7 @@
 // Adds the nodes of orders 2 and 3 on the edges and faces of tetrahedra.
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -124,6 +125,55 @@ void place_nodes(TetMesh& mesh, int order) {
   }
 }
 
+constexpr double kStraight = 1e-9;  // a smaller bend is round-off
+
+// The nodes of tetrahedron `t`.
+Points nodes_of_tet(const TetMesh& mesh, Eigen::Index t) {
+  Points nodes(mesh.tets.cols(), 3);
+  for (Eigen::Index a = 0; a < nodes.rows(); ++a) nodes.row(a) = mesh.points.row(mesh.tets(t, a));
+  return nodes;
+}
+
+// The bend of one tetrahedron, as largest_bend. `barycentric` is that of its nodes.
+double bend_of(const Points& nodes, const Eigen::MatrixXd& barycentric) {
+  double longest = 0.0;
+  for (const auto& [a, b] : kTetEdges) {
+    longest = std::max(longest, (nodes.row(a) - nodes.row(b)).norm());
+  }
+  const Eigen::MatrixX3d off = nodes - barycentric * nodes.topRows(4);
+  return off.rowwise().norm().maxCoeff() / longest;
+}
+
+// The monomials of (λ1, λ2, λ3) up to degree `order` at points of a tetrahedron: points x
+// monomials.
+Eigen::MatrixXd monomials(int order, const Eigen::MatrixXd& barycentric) {
+  Eigen::MatrixXd values(barycentric.rows(), tet_nodes(order));
+  Eigen::Index m = 0;
+  for (int i = 0; i <= order; ++i) {
+    for (int j = 0; i + j <= order; ++j) {
+      for (int k = 0; i + j + k <= order; ++k, ++m) {
+        values.col(m) = barycentric.col(1).array().pow(i) * barycentric.col(2).array().pow(j) *
+                        barycentric.col(3).array().pow(k);
+      }
+    }
+  }
+  return values;
+}
+
+// Moves the nodes of curved cells from the straight edges and flat faces to the places that the
+// shape functions of the old nodes give them.
+void bend_as(const TetMesh& old, TetMesh& mesh) {
+  const Eigen::MatrixXd from = tet_node_barycentric(old.order());
+  const Eigen::MatrixXd shapes = monomials(old.order(), tet_node_barycentric(mesh.order())) *
+                                 monomials(old.order(), from).inverse();
+  for (Eigen::Index t = mesh.tets.rows() - 1; t >= 0; --t) {
+    const Points nodes = nodes_of_tet(old, t);
+    if (bend_of(nodes, from) < kStraight) continue;
+    const Points bent = shapes * nodes;
+    for (Eigen::Index a = 4; a < bent.rows(); ++a) mesh.points.row(mesh.tets(t, a)) = bent.row(a);
+  }
+}
+
 // Adds the nodes of `order` to a mesh of corners only.
 void add_nodes(TetMesh& mesh, int order) {
   const Numbering edges = edge_numbers(mesh);
@@ -213,7 +263,18 @@ TetMesh with_order(const TetMesh& mesh, int order) {
   result.tets = corners.tets;
   result.faces = corners.faces;
   if (order > 1) add_nodes(result, order);
+  if (order > 1 && mesh.order() > 1) bend_as(mesh, result);
   return result;
+}
+
+double largest_bend(const TetMesh& mesh) {
+  if (mesh.order() == 1) return 0.0;
+  const Eigen::MatrixXd barycentric = tet_node_barycentric(mesh.order());
+  double largest = 0.0;
+  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
+    largest = std::max(largest, bend_of(nodes_of_tet(mesh, t), barycentric));
+  }
+  return largest;
 }
 
 }  // namespace chladni::mesh

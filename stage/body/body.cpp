@@ -1,5 +1,8 @@
 #include "stage/body.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -15,6 +18,7 @@ namespace {
 
 constexpr int kPreferredOrder = 3;
 constexpr Eigen::Index kMostCubicTets = 60000;
+constexpr double kCurved = 1e-4;  // a cell that bends less is straight but for its file's digits
 
 bool is_layered(const study::Study& study) {
   const auto* table = std::get_if<mesh::WaferTable>(&study.geometry.body);
@@ -118,6 +122,46 @@ Outline outline_of_tets(mesh::TetMesh mesh, std::vector<std::string> notes) {
   return outline;
 }
 
+// The keys of [mesh] that a file of tetrahedra leaves without effect.
+std::vector<std::string> keys_not_used(const study::MeshPlan& plan) {
+  std::vector<std::string> keys;
+  const auto add = [&](bool stated, const char* key) {
+    if (stated) keys.push_back(std::string("mesh.") + key);
+  };
+  add(plan.edge_length > 0.0, "edge_length");
+  add(plan.layers > 0, "layers");
+  add(plan.across_ribs > 0, "across_ribs");
+  add(!plan.mesher.empty(), "mesher");
+  add(!plan.remesh, "remesh");
+  add(plan.fill_holes, "repair");
+  return keys;
+}
+
+Outline outline_of_file(mesh::TetMesh mesh, const study::MeshPlan& plan,
+                        std::vector<std::string> notes) {
+  const auto keys = keys_not_used(plan);
+  if (!keys.empty()) {
+    notes.push_back(fmt::format("the file has tetrahedra, which are used as they are: {} {} no use",
+                                fmt::join(keys, ", "), keys.size() == 1 ? "is of" : "are of"));
+  }
+  Outline outline = outline_of_tets(std::move(mesh), std::move(notes));
+  outline.file_has_cells = true;
+  return outline;
+}
+
+// The body in another order than its file's.
+mesh::TetMesh reordered(const study::Study& study, const mesh::TetMesh& body, int order,
+                        Work& work) {
+  mesh::TetMesh result = with_order(body, order);
+  if (order > body.order() || largest_bend(body) < kCurved) return result;
+  if (order > 1) check(result);
+  work.warn(fmt::format(
+      "{}: mesh.order is {}, and the file has curved cells of order {}: the "
+      "volume changes from {:.6g} to {:.6g} cm3; leave mesh.order out",
+      study.file.string(), order, body.order(), 1e6 * volume(body), 1e6 * volume(result)));
+  return result;
+}
+
 }  // namespace
 
 Outline outline_of(const study::Study& study, const Progress& progress) {
@@ -126,7 +170,7 @@ Outline outline_of(const study::Study& study, const Progress& progress) {
   if (const auto* file = std::get_if<study::FileGeometry>(&study.geometry.body)) {
     auto geometry = io::read_geometry(file->file, file->unit);
     if (auto* tets = std::get_if<mesh::TetMesh>(&geometry.body)) {
-      return outline_of_tets(std::move(*tets), std::move(geometry.notes));
+      return outline_of_file(std::move(*tets), study.mesh, std::move(geometry.notes));
     }
     auto& surface = std::get<mesh::Surface>(geometry.body);
     const bool nameless = surface.patch_names.size() < 2;  // one solid, or none with a name
@@ -138,19 +182,18 @@ Outline outline_of(const study::Study& study, const Progress& progress) {
 
 mesh::TetMesh body_of(const study::Study& study, const Outline& outline, Work& work) {
   mesh::TetMesh body = outline.shell;
-  const bool from_file = study.geometry.kind == "file";
   if (outline.surface) {
     mesh::MesherOptions options;
     options.edge_length = study.mesh.edge_length;
     options.remesh_surface = study.mesh.remesh;
     body = kept_mesh(*outline.surface, options, work);
   }
-  const int own_order = from_file && !outline.surface ? body.order() : 0;
+  const int own_order = outline.file_has_cells ? body.order() : 0;
   const int order = order_for(study, body.tet_count(), own_order);
   tell(work.progress(), "placing nodes");
   const auto* disc = order > 1 ? std::get_if<mesh::Disc>(&study.geometry.body) : nullptr;
   if (disc != nullptr) project_to_disc(body, *disc, order);
-  if (order != body.order()) body = with_order(body, order);
+  if (order != body.order()) body = reordered(study, body, order, work);
   if (disc != nullptr) project_to_disc(body, *disc, order);
   const auto* sphere = std::get_if<mesh::Sphere>(&study.geometry.body);
   if (sphere != nullptr && !outline.surface) project_to_sphere(body, *sphere);

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "mesh/facing.h"
+#include "mesh/patches.h"
 #include "mesh/surface.h"
 #include "study/problems.h"
 
@@ -110,6 +111,41 @@ Faces asked_faces(const mesh::TetMesh& body, const study::FacePlan& on, const st
   return faces;
 }
 
+// Per patch 1 where it has a face on the outside of the body. A shell also has the triangles
+// between regions.
+std::vector<char> outer_patches(const mesh::TetMesh& body) {
+  if (body.tet_count() == 0 && body.region_names.size() > 1) {
+    return mesh::bounding_patches({.points = body.points,
+                                   .triangles = body.faces,
+                                   .patch = body.face_patch,
+                                   .patch_names = body.patch_names,
+                                   .regions = {}});
+  }
+  std::vector<char> outer(body.patch_names.size(), 0);
+  for (const int patch : body.face_patch) outer[static_cast<std::size_t>(patch)] = 1;
+  return outer;
+}
+
+// A support on a patch that does not exist, or between two regions, would hold nothing.
+void look_at_supports(const study::Study& study, const mesh::TetMesh& body,
+                      study::Problems& problems) {
+  if (study.supports.empty()) return;
+  const auto outer = outer_patches(body);
+  for (std::size_t i = 0; i < study.supports.size(); ++i) {
+    const auto& patch = study.supports[i].patch;
+    const auto& names = body.patch_names;
+    const auto found = std::find(names.begin(), names.end(), patch) - names.begin();
+    if (found == std::ssize(names)) {
+      problems.add(study.support_lines[i], 1, no_patch(body, "support.patch", patch));
+    } else if (outer[static_cast<std::size_t>(found)] == 0) {
+      problems.add(study.support_lines[i], 1,
+                   fmt::format("support.patch: no face of \"{}\" is on the outside of the body; "
+                               "between two regions a support holds nothing",
+                               patch));
+    }
+  }
+}
+
 }  // namespace
 
 Faces faces_of(const study::Study& study, const mesh::TetMesh& body, const study::FacePlan& on,
@@ -142,12 +178,7 @@ void require_faces(const study::Study& study, const mesh::TetMesh& body) {
   const auto look = [&](const auto& plan, const char* key) {
     if (plan) static_cast<void>(asked_faces(body, plan->on, key, problems));
   };
-  for (std::size_t i = 0; i < study.supports.size(); ++i) {
-    const auto& patch = study.supports[i].patch;
-    if (!has_patch(body, patch)) {
-      problems.add(study.support_lines[i], 1, no_patch(body, "support.patch", patch));
-    }
-  }
+  look_at_supports(study, body, problems);
   look(study.placement, "placement.on");
   look(study.interpolation, "interpolation.on");
   look(study.priors, "priors.on");

@@ -163,11 +163,15 @@ std::vector<std::string> coarse_mesh(const Solution& solution) {
   if (solution.frequency_error.size() == 0) return {};
   const double error = solution.frequency_error.maxCoeff(&worst);
   if (error <= kMeshError) return {};
-  const double shorter = std::pow(kMeshError / error, 0.5 / solution.model.body.order());
-  return {
-      fmt::format("the mesh may leave mode {} ({:.2f} Hz) {:.1f} % too high; for 1 % shorten "
-                  "mesh.edge_length to {:.2f} of it, or raise mesh.order",
-                  worst + 1, solution.modes.frequency_hz(worst), 100.0 * error, shorter)};
+  const int order = solution.model.body.order();
+  const double shorter = std::pow(kMeshError / error, 0.5 / order);
+  const auto remedy =
+      solution.introduction.outline.file_has_cells
+          ? fmt::format("mesh it finer where it was made, with edges {:.2f} as long", shorter)
+          : fmt::format("shorten mesh.edge_length to {:.2f} of it", shorter);
+  return {fmt::format("the mesh may leave mode {} ({:.2f} Hz) {:.1f} % too high; for 1 % {}{}",
+                      worst + 1, solution.modes.frequency_hz(worst), 100.0 * error, remedy,
+                      order < 3 ? ", or raise mesh.order" : "")};
 }
 
 }  // namespace chladni::stage

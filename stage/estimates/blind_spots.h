@@ -19,8 +19,8 @@ namespace chladni::stage {
 [[nodiscard]] std::vector<std::string> blind_spots(const study::Study& study,
                                                    const Solution& solution);
 
-/// States the factor by which to shorten the edges, if the mesh makes a frequency more than 1 %
-/// high.
+/// States the factor by which to shorten the edges, in the study or where a file of tetrahedra was
+/// made, if the mesh makes a frequency more than 1 % high.
 [[nodiscard]] std::vector<std::string> coarse_mesh(const Solution& solution);
 
 }  // namespace chladni::stage

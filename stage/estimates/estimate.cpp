@@ -105,22 +105,8 @@ Estimate first_frequency(const study::Study& study, const Understood& body,
   return {std::min(bending, twist), flat ? "plate" : "box"};
 }
 
-/// Numbers of cells and boundary triangles of TetGen on an isotropic surface, from volume and area.
-/// Fitted to plates, a disc, a torus and a ribbed table, within a factor of 1.2. A part thinner
-/// than an edge has only cells between the two sides of its surface.
-struct Count {
-  double tets, faces;
-};
-
-Count tetgen_count(const Outline& outline, double edge) {
-  const double surface = mesh::area(outline.shell.points, outline.shell.faces);
-  const double faces = 1.16 * surface / (0.433 * edge * edge);
-  const double core = std::max(0.0, outline.volume - 0.5 * edge * surface);
-  return {1.6 * faces + 1.22 * core / (0.1179 * edge * edge * edge), faces};
-}
-
 /// Nodes by Euler's formula.
-double node_count(const Count& count, int order) {
+double node_count(const mesh::CellCount& count, int order) {
   const double inner = std::max(0.0, count.tets - 1.6 * count.faces) / 5.5;
   const double vertices = 0.5 * count.faces + inner;
   const double faces = 2.0 * count.tets + 0.5 * count.faces;
@@ -231,7 +217,7 @@ double modes_wanted(const study::Study& study, const Understood& body) {
 Cost forecast(const study::Study& study, const Outline& outline) {
   const double modes = modes_wanted(study, understood(study, outline));
   if (!outline.surface) {
-    const int own_order = study.geometry.kind == "file" ? outline.shell.order() : 0;
+    const int own_order = outline.file_has_cells ? outline.shell.order() : 0;
     const int order = order_for(study, outline.shell.tet_count(), own_order);
     const double nodes = order == outline.shell.order()
                              ? static_cast<double>(outline.shell.node_count())
@@ -241,7 +227,8 @@ Cost forecast(const study::Study& study, const Outline& outline) {
   }
   const double edge =
       study.mesh.edge_length > 0.0 ? study.mesh.edge_length : default_edge_length(*outline.surface);
-  const Count count = tetgen_count(outline, edge);
+  const double area = mesh::area(outline.shell.points, outline.shell.faces);
+  const auto count = mesh::expected_count(outline.volume, area, edge);
   const int order = order_for(study, static_cast<Eigen::Index>(count.tets), 0);
   return cost_of({node_count(count, order), count.tets, order, false}, modes,
                  study.modes.mirrors.size());

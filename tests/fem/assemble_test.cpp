@@ -152,6 +152,18 @@ TEST(Supports, TakeTheirDegreesOfFreedomAndLeaveTheRigidMotionsTheyAllow) {
   }
 }
 
+TEST(Supports, OnAPatchWithoutFacesAreRefused) {
+  auto body = block(1);
+  body.patch_names.emplace_back("interface");  // between two regions
+  try {
+    (void)assemble(body, {kAluminium}, {{.patch = "interface", .x = true}});
+    FAIL();
+  } catch (const InvalidInput& e) {
+    EXPECT_NE(std::string(e.what()).find("\"interface\" has no face"), std::string::npos)
+        << e.what();
+  }
+}
+
 TEST(Assemble, RefusesABodyWithoutMaterial) {
   EXPECT_THROW((void)assemble(block(1), {}), InvalidInput);
 }

@@ -3,7 +3,7 @@ set(fuzzed_parsers
   io/bytes/scan io/surface/triangles io/surface/stl io/surface/off io/surface/ply io/surface/obj
   io/cells/tets io/cells/tet_shape io/cells/msh io/cells/msh_cell io/cells/inp io/cells/inp_deck
   io/cells/inp_sets mesh/tets/boundary mesh/numbering mesh/tets/order mesh/patches
-  mesh/tets/quality mesh/surface mesh/tets/triangle)
+  mesh/soundness/material mesh/soundness/shells mesh/tets/quality mesh/surface mesh/tets/triangle)
 set(fuzzed_measured
   base/interrupt base/quantity host/atomic_file host/input_file host/limits/control_group host/memory modal/frf_set
   io/measured/channel_names io/bytes/csv io/bytes/csv_table io/measured/frf_csv io/uff/frf_uff

@@ -104,6 +104,70 @@ TEST(Inp, SetsOfSetsEndEvenWhereTheyNameThemselves) {
   EXPECT_EQ(body.region_names, std::vector<std::string>{"a"});
 }
 
+// FreeCAD lists the sets of *ELEMENT by name.
+TEST(Inp, ASetMayListSetsOfElements) {
+  const std::string two = replaced(kTets, "20, 1", "*ELEMENT, TYPE=C3D4, ELSET=Low\n20, 1");
+  const auto body = parse_inp(kNodes + two +
+                              "*ELSET, ELSET=Mat1\nEall,\n*ELSET, ELSET=Mat2\nlow\n"
+                              "*SURFACE, NAME=slope\nMat2, S3\n"
+                              "*SOLID SECTION, ELSET=Mat1\n*SOLID SECTION, ELSET=Mat2\n");
+  EXPECT_NEAR(region_volume(body, "Mat1"), 1.0 / 6, 1e-15);
+  EXPECT_NEAR(region_volume(body, "Mat2"), 2.0 / 6, 1e-15);
+  EXPECT_NEAR(patch_area(body, "slope"), 1.5, 1e-15);
+  const auto shared = parse_inp(kNodes + two + "*ELSET, ELSET=p\nEall\n*ELSET, ELSET=q\nLow\n");
+  EXPECT_EQ(shared.region_names, (std::vector<std::string>{"p", "q"}));
+  const auto grouped = parse_inp(kNodes + two + "*ELSET, ELSET=whole\nEall, Low\n");
+  EXPECT_EQ(grouped.region_names, (std::vector<std::string>{"Eall", "Low"}));
+}
+
+TEST(Inp, SetsOfOneNameAreUnited) {
+  const auto body =
+      parse_inp(kNodes + replaced(kTets, "20, 1", "*ELEMENT, TYPE=C3D4\n20, 1") +
+                "*ELSET, ELSET=EALL\n20\n*SURFACE, NAME=skin\neall\n*SOLID SECTION, ELSET=Eall\n");
+  EXPECT_EQ(body.region_names, std::vector<std::string>{"Eall"});
+  EXPECT_EQ(body.patch_names, std::vector<std::string>{"skin"});
+}
+
+TEST(Inp, MembersThatAreNotThereAreToldOf) {
+  EXPECT_TRUE(
+      says(refusal([] { return parse_inp(kNodes + kTets + "*ELSET, ELSET=lower\n20, gone\n"); }),
+           "*ELSET lists what is no element and no set of elements of this file: 'gone' of "
+           "'lower'"));
+  Notes notes;
+  static_cast<void>(parse_inp(kNodes + kTets + "*NSET, NSET=front\n1, 2, 4, gone\n", &notes));
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_TRUE(says(notes[0], "no set of nodes of this file, left out: 'gone' of 'front'"));
+}
+
+TEST(Inp, ANodeSurfaceHasAreasBesideItsNodes) {
+  Notes notes;
+  const auto body = parse_inp(kNodes + kTets +
+                                  "*NSET, NSET=three\n1, 2, 4\n*SURFACE, NAME=y, TYPE=NODE\n"
+                                  "three, 1.5\n5, 3\n",
+                              &notes);
+  EXPECT_TRUE(notes.empty());
+  EXPECT_NEAR(patch_area(body, "three"), 0.5, 1e-15);
+  EXPECT_NEAR(patch_area(body, "y"), 1.0, 1e-15);
+}
+
+TEST(Inp, ADotIsPartOfAName) {
+  const auto body = parse_inp(kNodes + kTets +
+                              "*ELSET, ELSET=plate_2.5mm\n10\n*ELSET, ELSET=rib_2.5mm\n20\n"
+                              "*SOLID SECTION, ELSET=plate_2.5mm\n"
+                              "*SOLID SECTION, ELSET=rib_2.5mm\n");
+  EXPECT_NEAR(region_volume(body, "plate_2.5mm"), 1.0 / 6, 1e-15);
+  EXPECT_NEAR(region_volume(body, "rib_2.5mm"), 2.0 / 6, 1e-15);
+}
+
+TEST(Inp, NamesMayBeQuotedInDataLines) {
+  const auto body = parse_inp(kNodes + kTets +
+                              "*ELSET, ELSET=\"the low one\"\n20\n*ELSET, ELSET=low\n"
+                              "\"the low one\"\n*SURFACE, NAME=slope\n\"The low one\", S3\n"
+                              "*SOLID SECTION, ELSET=low\n");
+  EXPECT_NEAR(region_volume(body, "low"), 2.0 / 6, 1e-15);
+  EXPECT_NEAR(patch_area(body, "slope"), 1.5, 1e-15);
+}
+
 TEST(Inp, HugeRangesCostNothing) {
   const auto body =
       parse_inp(kNodes + kTets + "*ELSET, ELSET=all, GENERATE\n1, 9007199254740992, 1\n");
@@ -124,6 +188,33 @@ TEST(Inp, ReadsOnePartWithItsAssembly) {
   EXPECT_NEAR(patch_area(body, "Low"), 1.5, 1e-15);
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_TRUE(says(notes[0], "*DENSITY, *MATERIAL"));
+}
+
+// An independent instance brings its own nodes and elements. The dot parts the instance from a name
+// that may have dots itself.
+TEST(Inp, ReadsAnIndependentInstance) {
+  Notes notes;
+  const auto body = parse_inp(
+      "*Part, name=P\n*End Part\n*Assembly, name=A\n*Instance, name=P.1, part=P\n" +
+          replaced(kNodes, "*Heading\n a comment of the program\n", "") + kTets +
+          "*Elset, elset=low_2.5\n20\n*End Instance\n*Node\n1, 9., 9., 9.\n"
+          "*Elset, elset=both, instance=P.1\nP.1.low_2.5, P.1.10\n"
+          "*Surface, name=slope\np.1.Low_2.5, S3\n*End Assembly\n*Solid Section, elset=both\n",
+      &notes);
+  EXPECT_EQ(body.points.rows(), 5);
+  EXPECT_NEAR(region_volume(body, "both"), 0.5, 1e-15);
+  EXPECT_NEAR(patch_area(body, "slope"), 1.5, 1e-15);
+  EXPECT_TRUE(notes.empty());
+}
+
+TEST(Inp, OnlyDataOfThisReaderMustBeInTheFile) {
+  const auto body = parse_inp(kNodes + kTets + "*AMPLITUDE, NAME=a, INPUT=steps.txt\n");
+  EXPECT_EQ(body.tet_count(), 2);
+  for (const std::string card : {"NODE", "ELEMENT, TYPE=C3D4", "NSET, NSET=a", "ELSET, ELSET=a",
+                                 "SURFACE, NAME=a", "INCLUDE"}) {
+    EXPECT_TRUE(says(refusal([&] { return parse_inp("*" + card + ", INPUT=data.txt\n"); }),
+                     "not in this file"));
+  }
 }
 
 TEST(Inp, KeywordLinesGoOnAfterAComma) {
@@ -162,6 +253,8 @@ TEST(Inp, RefusesFieldsThatMakeNoSense) {
   EXPECT_TRUE(says(with("10, 1, 2, 3, 4", "10, 1, 2, 3, 4, 5"), "element 10 has 5 nodes"));
   EXPECT_TRUE(says(with("20, 1, 3, 2, 5", "20, 1, 3, 2"), "element 20 has 3 nodes, expected 4"));
   EXPECT_TRUE(says(with("20, 1, 3, 2, 5", "20, 1, 3, 2, 6"), "element 20 names node 6"));
+  EXPECT_TRUE(says(refusal([] { return parse_inp(kNodes + "*ELEMENT, TYPE=C3D4\n,\n"); }),
+                   "line 11: an element without numbers"));
   EXPECT_TRUE(says(with("20, 1, 3, 2, 5", "10, 1, 3, 2, 5"), "element 10 is there twice"));
   EXPECT_TRUE(says(with("5, 0., 0., -2.", "4, 0., 0., -2."), "node 4 is there twice"));
   EXPECT_TRUE(

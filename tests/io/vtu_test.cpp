@@ -18,6 +18,7 @@
 
 #include "base/error.h"
 #include "host/atomic_file.h"
+#include "io/read.h"
 #include "mesh/bodies.h"
 #include "mesh/surface.h"
 
@@ -310,6 +311,14 @@ TEST_F(Vtu, OnlyTetrahedraAndFlatCellsAreTaken) {
   EXPECT_NE(failure(file("b.vtu")).find("cell 0 is a pyramid (VTK type 14)"), std::string::npos);
   write_atomically(file("c.vtu"), ascii_grid("4", "1", "0 1 2", "3", "5"));
   EXPECT_NE(failure(file("c.vtu")).find("no tetrahedron among 1 cells"), std::string::npos);
+}
+
+TEST_F(Vtu, WhatTheReaderChangesIsNoted) {
+  write_atomically(file("a.vtu"), ascii_grid("4", "2", "0 2 1 3 0 2 1 3", "4 8", "10 10"));
+  const Geometry found = read_geometry(file("a.vtu"), "m");
+  ASSERT_EQ(found.notes.size(), 2U);
+  EXPECT_NE(found.notes[0].find("1 element repeated another's corners"), std::string::npos);
+  EXPECT_NE(found.notes[1].find("all 1 elements were inside out"), std::string::npos);
 }
 
 TEST_F(Vtu, CountsThatLieAreRefused) {

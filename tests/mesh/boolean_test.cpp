@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "mesh/check.h"
+#include "mesh/patches.h"
 #include "mesh/soundness/shells.h"
 #include "shapes.h"
 
@@ -127,6 +128,17 @@ TEST(Bonded, FindsPointsWellInside) {
 TEST(Bonded, RefusesBodiesThatOverlapOrAreApart) {
   EXPECT_THROW((void)bonded(cube(), box({2, 0, 0}, {3, 1, 1}), "a", "b"), InvalidInput);
   EXPECT_THROW((void)bonded(cube(), box({0.2, 0.2, 0.5}, {0.8, 0.8, 1.5}), "a", "b"), InvalidInput);
+}
+
+TEST(BoundingPatches, LeaveOutThoseBetweenRegions) {
+  const Surface both =
+      bonded(box({0, 0, 0}, {1, 1, 0.3}), box({0.25, 0.2, 0.3}, {0.75, 0.9, 0.4}), "a", "wafer");
+  const std::vector<char> bounds = bounding_patches(both);
+  ASSERT_EQ(bounds.size(), both.patch_names.size());
+  const auto between = static_cast<std::size_t>(patch_named(both, "interface_wafer"));
+  for (std::size_t p = 0; p < bounds.size(); ++p) {
+    EXPECT_EQ(bounds[p], p == between ? 0 : 1) << both.patch_names[p];
+  }
 }
 
 TEST(WindingNumber, CountsBodies) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -148,6 +149,46 @@ TEST(WithOrder, ThereAndBackIsTheSame) {
     EXPECT_NO_THROW(check(sorted));
     EXPECT_NEAR(volume(sorted), volume(linear), 1e-14);
   }
+}
+
+// A ball of quadratic cells.
+TetMesh curved_ball() {
+  const Sphere ball{.diameter = 2.0};
+  TetMesh mesh = with_order(layered(ball, 0.6), 2);
+  project_to_sphere(mesh, ball);
+  return mesh;
+}
+
+TEST(WithOrder, OfMoreNodesKeepsCurvedCells) {
+  TetMesh quadratic = curved_ball();
+  sort_in_space(quadratic);
+  const TetMesh cubic = with_order(quadratic, 3);
+  ASSERT_NO_THROW(check(cubic));
+  EXPECT_NEAR(volume(cubic), volume(quadratic), 1e-13);
+  EXPECT_GT(volume(cubic), 1.02 * volume(with_order(quadratic, 1)));
+  const TetMesh back = with_order(cubic, 2);
+  for (Eigen::Index t = 0; t < back.tets.rows(); ++t) {
+    for (Eigen::Index a = 0; a < 10; ++a) {
+      ASSERT_LT(
+          (back.points.row(back.tets(t, a)) - quadratic.points.row(quadratic.tets(t, a))).norm(),
+          1e-14);
+    }
+  }
+}
+
+TEST(LargestBend, IsNoneOfStraightCellsInAnyOrder) {
+  for (const int order : {1, 2, 3}) {
+    EXPECT_LT(largest_bend(with_order(random_mesh(8), order)), 1e-14);
+  }
+  TetMesh one;
+  one.points.resize(10, 3);
+  one.points << 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 2, 1, 0, -0.1, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1,
+      0, 1, 1;
+  one.tets.resize(1, 10);
+  one.tets << 0, 1, 2, 3, 4, 5, 6, 7, 8, 9;
+  EXPECT_NEAR(largest_bend(one), 0.1 / std::sqrt(8.0), 1e-15);
+  EXPECT_NEAR(largest_bend(with_order(curved_ball(), 3)), largest_bend(curved_ball()),
+              0.2 * largest_bend(curved_ball()));
 }
 
 TEST(WithOrder, RefusesWhatIsNotThere) {

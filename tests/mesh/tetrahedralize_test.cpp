@@ -212,6 +212,27 @@ TEST_F(Tetrahedralize, RefusesOptionsThatCannotBeMeant) {
                {"dihedral", "80"});
 }
 
+// A slip of units, told before anything is laid. The limits are for a program that does not tell.
+TEST_F(Tetrahedralize, RefusesMoreCellsThanAnybodyMeshes) {
+  MesherOptions options;
+  options.edge_length = 1e-5;
+  options.remesh_surface = false;
+  options.time_limit = std::chrono::seconds(1);
+  options.memory_limit_bytes = std::size_t{64} << 20U;
+  const Surface plate = surface(Plate{0.6, 0.6, 0.02});
+  expect_words(message_of<InvalidInput>([&] { (void)tetrahedralize(plate, options); }),
+               {"edge_length of 0.01 mm", "million tetrahedra", "its unit"});
+}
+
+TEST_F(Tetrahedralize, ExpectsTheCellsThatItMakes) {
+  MesherOptions options;
+  options.edge_length = 0.08;
+  const auto count = expected_count(1.0, 6.0, options.edge_length);
+  const TetMesh mesh = tetrahedralize(cube(), options);
+  EXPECT_NEAR(count.tets / static_cast<double>(mesh.tet_count()), 1.0, 0.3);
+  EXPECT_NEAR(count.faces / static_cast<double>(mesh.faces.rows()), 1.0, 0.3);
+}
+
 TEST_F(Tetrahedralize, SaysThatTheMesherRanOutOfMemory) {
   MesherOptions options;
   options.edge_length = 0.02;

@@ -10,6 +10,7 @@
 
 #include "diagnosed_plate.h"
 #include "diagnosis/body_fields.h"
+#include "diagnosis/effect.h"
 #include "host/parallel.h"
 #include "modal/frf.h"
 #include "stage/at_channels.h"
@@ -140,7 +141,24 @@ TEST(DiagnosisStructure, ChannelsAsideMoveAlongTheChart) {
   turned.sensors[1].direction = Eigen::Vector3d::UnitX();
   const auto other = stage::structure_of(turned, plate().solution);
   EXPECT_EQ(other.outputs.shapes.row(1), structure().outputs.aside_u.row(1));
-  EXPECT_EQ(other.outputs.aside_v, structure().outputs.aside_v);
+  EXPECT_EQ(other.outputs.aside_v.row(0), structure().outputs.aside_v.row(0));
+}
+
+// A turn of what lies along x towards x would be a gain.
+TEST(DiagnosisStructure, OnlyChannelsAlongTheNormalAreTilted) {
+  study::Study turned = plate().study;
+  turned.sensors[0].direction = Eigen::Vector3d(0.05, 0.0, -1.0).normalized();
+  turned.sensors[1].direction = Eigen::Vector3d::UnitX();
+  const auto other = stage::structure_of(turned, plate().solution);
+  EXPECT_EQ(other.outputs.aside_u.row(0), structure().outputs.aside_u.row(0));
+  EXPECT_EQ(other.outputs.aside_u.row(1).norm(), 0.0);
+  EXPECT_EQ(other.outputs.aside_v.row(1).norm(), 0.0);
+  const auto& tilt = diagnosis::effect("sensor_direction");
+  auto state = diagnosis::state_of(other);
+  tilt.apply(state, other, 1, Eigen::Vector2d(0.1, 0.1));
+  EXPECT_EQ(state.outputs, other.outputs.shapes);
+  tilt.apply(state, other, 0, Eigen::Vector2d(0.1, 0.1));
+  EXPECT_GT((state.outputs - other.outputs.shapes).norm(), 0.0);
 }
 
 TEST(DiagnosisStructure, ModesLeftOutAreThereStatically) {

@@ -30,5 +30,21 @@ TEST(UpperFace, StandsOnItsShortestSide) {
   EXPECT_EQ(stage::coverage(chart, face, {3, 2}), Eigen::MatrixXd::Ones(3, 2));
 }
 
+// A wedge, whose top lies below the plane of the chart but for one end.
+TEST(UpperFace, TellsHowFarBelowTheChartTheBodyIs) {
+  auto body = mesh::layered(mesh::Plate{.length = 0.3, .width = 0.2, .thickness = 0.1}, 0.05, 1);
+  for (auto point : body.points.rowwise()) {
+    if (point(2) > -0.01) point(2) -= 0.1 * (0.15 - point(0));
+  }
+  const auto chart = stage::chart_along(body, Eigen::Vector3d::UnitZ());
+  const stage::UpperFace face(chart, body, Eigen::MatrixXd(3 * body.node_count(), 0));
+  for (const double x : {-0.1, 0.0, 0.12}) {
+    const auto height = face.height({x, 0.03});
+    ASSERT_TRUE(height.has_value());
+    EXPECT_NEAR(*height, -0.1 * (0.15 - x), 1e-9);
+  }
+  EXPECT_FALSE(face.height({0.2, 0.0}).has_value());
+}
+
 }  // namespace
 }  // namespace chladni::stage
