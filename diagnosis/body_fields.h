@@ -1,6 +1,10 @@
 // Smooth fields over the body and their effect on stiffness and mass.
 #pragma once
 
+#include <array>
+#include <string_view>
+#include <vector>
+
 #include "diagnosis/structure.h"
 
 namespace chladni::diagnosis {
@@ -9,6 +13,10 @@ namespace chladni::diagnosis {
 /// largest value 1), in the order (1,0), (0,1), (2,0), (1,1), (0,2). Fields along a side that the
 /// cells do not resolve are left out. b×5 or fewer.
 [[nodiscard]] Eigen::MatrixXd smooth_fields(const BodyCells& cells);
+/// Names of the fields of a face, in this order, and of those that the cells of a body resolve:
+/// "v1" and "v2" for a line along v.
+inline constexpr std::array<std::string_view, 5> kSmoothFields{"u1", "v1", "u2", "u1v1", "v2"};
+[[nodiscard]] std::vector<std::string_view> names_of_smooth_fields(const BodyCells& cells);
 /// The same fields at other places, n×2 [m].
 [[nodiscard]] Eigen::MatrixXd smooth_fields(const BodyCells& cells, const Eigen::MatrixX2d& places);
 /// Legendre polynomials of orders 3 to 6 along a body whose cells lie in one line: b×4. The line

@@ -120,6 +120,7 @@ struct Diagnosis {
   std::vector<CalibratedNumber> constants;         ///< under the best explanation
   std::vector<CalibratedPair> constants_in_pairs;  ///< strongly correlated ones
   std::vector<std::string> notes;
+  std::vector<std::string> data_notes;  ///< those of `notes` that hold whatever the causes are
 };
 
 struct Effect;  // diagnosis/effect.h

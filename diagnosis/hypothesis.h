@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "diagnosis/calibrated.h"
 #include "diagnosis/diagnosed.h"
 #include "diagnosis/effect.h"
 
@@ -24,5 +25,11 @@ namespace chladni::diagnosis {
 [[nodiscard]] std::vector<Eigen::MatrixXcd> predicted(const Structure& structure,
                                                       const std::vector<Cause>& causes,
                                                       const Eigen::VectorXd& frequency_hz);
+/// The same with calibrated constants of the study, as the fits have them: each mode keeps its
+/// damping ratio. Those that are not determined keep the study's value.
+/// @throws InvalidInput  as predicted; a constant has no effect
+[[nodiscard]] std::vector<Eigen::MatrixXcd> predicted(
+    const Structure& structure, const std::vector<CalibratedNumber>& constants,
+    const std::vector<Cause>& causes, const Eigen::VectorXd& frequency_hz);
 
 }  // namespace chladni::diagnosis

@@ -25,9 +25,11 @@ struct ChannelSide {
   std::vector<std::string> names;
   Eigen::MatrixXd shapes;            ///< c×r, along each channel's direction [kg^-1/2]
   Eigen::MatrixXd slope_u, slope_v;  ///< c×r: change when the channel moves [kg^-1/2 m^-1]
-  Eigen::MatrixXd aside_u, aside_v;  ///< c×r: shapes along the chart's axes instead [kg^-1/2]
-  Eigen::MatrixX2d places;           ///< c×2, on the chart [m]
-  Eigen::MatrixXd upper;             ///< c×u, or c×0: as PointMotion::upper
+  /// c×r: shapes along the chart's axes instead [kg^-1/2]. 0 for a channel that does not lie along
+  /// the chart's normal: a turn towards an axis is no tilt there.
+  Eigen::MatrixXd aside_u, aside_v;
+  Eigen::MatrixX2d places;  ///< c×2, on the chart [m]
+  Eigen::MatrixXd upper;    ///< c×u, or c×0: as PointMotion::upper
 
   [[nodiscard]] Eigen::Index count() const { return shapes.rows(); }
 };
@@ -131,6 +133,11 @@ struct Structure {
   [[nodiscard]] Eigen::Index output_count() const { return outputs.count(); }
   [[nodiscard]] Eigen::Index input_count() const { return inputs.count(); }
 };
+
+/// c: −1 for each channel of the side whose direction is against the normal of the chart, 1 for the
+/// others. Its shapes are compared with those of the nearest place of the scan.
+[[nodiscard]] Eigen::VectorXd signs_along_normal(const Structure& structure,
+                                                 const ChannelSide& side);
 
 /// @throws InvalidInput  array sizes do not agree, an entry is not finite
 void check(const Structure& structure);

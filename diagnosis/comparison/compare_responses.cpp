@@ -49,7 +49,9 @@ void set_errors(const ComparedResponses& of, ResponseComparison& result) {
     size += one.measured.squaredNorm();
     noise += one.variance.sum();
   }
-  const bool stated = of.all.front().variance.size() > 0;
+  const bool stated = std::ranges::any_of(of.all, [](const ComparedResponse& one) {
+    return one.variance.size() > 0;  // one that was not measured has none
+  });
   result.overall_error = std::sqrt(wrong / size);
   result.overall_noise = stated ? std::sqrt(noise / size) : kNotMeasured;
   result.error = per_response(of, [](const ComparedResponse& one) {

@@ -23,8 +23,16 @@ Index tiltable(const Structure& structure) {
   return aside > 1e-3 * channels.shapes.norm() ? channels.count() : 0;
 }
 
+// A channel along the surface has no motion aside (ChannelSide): no tilt of it is sought.
+template <Side side>
+bool is_tiltable(const Structure& structure, Index option) {
+  const auto& channels = channels_of<side>(structure);
+  return !channels.aside_u.row(option).isZero(0.0) || !channels.aside_v.row(option).isZero(0.0);
+}
+
 template <Side side>
 void tilt(State& state, const Structure& structure, Index option, const VectorXd& x) {
+  if (!is_tiltable<side>(structure, option)) return;
   const auto& channels = channels_of<side>(structure);
   const double upright = 1.0 / std::sqrt(1.0 + x.squaredNorm()) - 1.0;
   const VectorXd by = (upright * channels.shapes.row(option) +
@@ -42,6 +50,7 @@ template <Side side>
 std::vector<EffectStart> upright(const Scene& scene) {
   std::vector<EffectStart> starts;
   for (Index i = 0; i < tiltable<side>(scene.structure()); ++i) {
+    if (!is_tiltable<side>(scene.structure(), i)) continue;
     starts.push_back({i, VectorXd::Zero(2)});
     for (const double by : {-0.1, 0.1}) {
       starts.push_back({i, by * VectorXd::Unit(2, 0)});

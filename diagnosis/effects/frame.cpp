@@ -13,15 +13,15 @@ std::vector<Parameter> mass_frequency_damping(const Structure& structure) {
   return oscillator_parameters(10.0 * structure.mass_kg, typical_hz, 1.5);
 }
 
-void stand(State& state, const Structure& /*structure*/, Eigen::Index /*option*/,
-           const VectorXd& x) {
+// The frame moves along the normal, so a channel stated against it sees it the other way round.
+void stand(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
   const auto [mass, damping, stiffness] = oscillator(x);
   Frame one;
   one.mass = mass;
   one.damping = damping;
   one.stiffness = stiffness;
-  one.to_outputs = VectorXd::Ones(state.output_count());
-  one.from_inputs = VectorXd::Ones(state.input_count());
+  one.to_outputs = signs_along_normal(structure, structure.outputs);
+  one.from_inputs = signs_along_normal(structure, structure.inputs);
   state.frames.push_back(std::move(one));
 }
 
@@ -43,7 +43,8 @@ std::vector<EffectStart> frames(const Scene& scene) {
 constinit const Effect frame{
     .name = "frame",
     .summary = "the support moves: actuators push it back, sensors are measured against it",
-    .source = "1 / (m s^2 + c s + k) added to all responses alike",
+    .source =
+        "1 / (m s^2 + c s + k) added to all responses alike, with the signs of their channels",
     .confusable = "a resonator on the body, a spring to ground",
     .parameters = mass_frequency_damping,
     .options = one_option,

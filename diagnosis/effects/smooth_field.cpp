@@ -11,19 +11,10 @@ using Eigen::VectorXd;
 
 constexpr double kWaveError = 0.02;  // Effect::error: variations of higher order than a square
 
-constexpr std::array<std::string_view, 5> kPlane{"u1", "v1", "u2", "u1v1", "v2"};
-constexpr std::array<std::string_view, 2> kLine{"u1", "u2"};
-
 std::vector<Parameter> coefficients(const Structure& structure) {
-  const Index waves = smooth_fields(structure.cells).cols();
   std::vector<Parameter> all;
-  for (Index f = 0; f < waves; ++f) {
-    const auto n = static_cast<std::size_t>(f);
-    all.push_back({.name = waves == 5 ? kPlane[n] : kLine[n],
-                   .unit = "1",
-                   .is_size = true,
-                   .width = 0.05,
-                   .step = 1e-5});
+  for (const auto name : names_of_smooth_fields(structure.cells)) {
+    all.push_back({.name = name, .unit = "1", .is_size = true, .width = 0.05, .step = 1e-5});
   }
   return all;
 }
@@ -58,7 +49,7 @@ std::vector<EffectStart> flat(const Scene& scene) {
 
 constexpr InStudy waves(std::string_view of) {
   InStudy entry{.table = InStudy::Table::variation, .kind = of};
-  for (const auto name : kPlane) entry.keys.push_back({name, name, ""});
+  for (const auto name : kSmoothFields) entry.keys.push_back({name, name, ""});
   return entry;
 }
 

@@ -186,6 +186,15 @@ std::vector<std::string> notes_of(const Prepared& given, const Calibration& cali
   return notes;
 }
 
+// The same, and whether the body was measured as a linear one.
+std::vector<std::string> data_notes_of(const Prepared& given, const Calibration& calibration,
+                                       const modal::FrfSet& measured) {
+  auto notes = notes_of(given, calibration);
+  notes.push_back(nonlinearity_note(measured));
+  std::erase(notes, "");
+  return notes;
+}
+
 // What a first look tells.
 Diagnosis looked_at(const Prepared& given, const Calibration& calibration,
                     const modal::FrfSet& measured, const Found& found,
@@ -194,9 +203,7 @@ Diagnosis looked_at(const Prepared& given, const Calibration& calibration,
   const Problem problem{*given.structure, coarse, given.tolerable, given.solver_error};
   Diagnosis diagnosis = told_of(problem, found, options);
   tell_fitted_constants(given, calibration, found.fits[diagnosis.best.fit], diagnosis);
-  diagnosis.notes = notes_of(given, calibration);
-  diagnosis.notes.push_back(nonlinearity_note(measured));
-  std::erase(diagnosis.notes, "");
+  diagnosis.notes = diagnosis.data_notes = data_notes_of(given, calibration, measured);
   return diagnosis;
 }
 
@@ -249,6 +256,7 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
   }
   std::erase(notes, "");
   diagnosis.notes = std::move(notes);
+  diagnosis.data_notes = data_notes_of(given, calibration, measured);
   tell_fitted_constants(given, calibration, best, diagnosis);
   return diagnosis;
 }

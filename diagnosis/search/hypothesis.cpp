@@ -4,11 +4,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "base/error.h"
 #include "base/index.h"
 #include "diagnosis/fit/responses.h"
+#include "diagnosis/modes/calibration/constants_held.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -84,7 +86,20 @@ std::vector<Supposed> supposed_of(const Cause& cause, const Structure& structure
 std::vector<Eigen::MatrixXcd> predicted(const Structure& structure,
                                         const std::vector<Cause>& causes,
                                         const Eigen::VectorXd& frequency_hz) {
+  return predicted(structure, {}, causes, frequency_hz);
+}
+
+std::vector<Eigen::MatrixXcd> predicted(const Structure& structure,
+                                        const std::vector<CalibratedNumber>& constants,
+                                        const std::vector<Cause>& causes,
+                                        const Eigen::VectorXd& frequency_hz) {
   auto state = state_of(structure);
+  for (const auto& constant : constants) {  // before the causes, as in the fits
+    if (!constant.determined) continue;
+    held_effect(constant.name, constant.effect)
+        .apply(state, structure, 0,
+               Eigen::VectorXd::Constant(1, std::log(constant.value / constant.of_study)));
+  }
   for (const auto& cause : causes) {
     for (const auto& supposed : supposed_of(cause, structure)) {
       change_of(supposed, structure)(state);

@@ -60,6 +60,19 @@ MatrixXd smooth_fields(const BodyCells& cells, const Eigen::MatrixX2d& places) {
   return fields;
 }
 
+std::vector<std::string_view> names_of_smooth_fields(const BodyCells& cells) {
+  if (cells.count() == 0) return {};
+  const auto size = resolved_size(cells);
+  std::vector<std::string_view> names;
+  for (const auto name : kSmoothFields) {
+    const bool has_u = name.find('u') != std::string_view::npos;
+    const bool has_v = name.find('v') != std::string_view::npos;
+    if ((has_u && size(0) <= 0.0) || (has_v && size(1) <= 0.0)) continue;
+    names.push_back(name);
+  }
+  return names;
+}
+
 MatrixXd short_waves(const BodyCells& cells) {
   constexpr Index kOrder = 6;
   if (cells.count() == 0) return {};

@@ -84,6 +84,20 @@ ChannelSide part_of(const ChannelSide& side, const std::vector<Eigen::Index>& ro
   return part;
 }
 
+Eigen::VectorXd signs_along_normal(const Structure& structure, const ChannelSide& side) {
+  constexpr double kAgainst = -0.5;  // cosine; one along the surface is neither with nor against it
+  const auto& surface = structure.surface;
+  Eigen::VectorXd signs = Eigen::VectorXd::Ones(side.count());
+  for (Eigen::Index i = 0; i < signs.size() && surface.count() > 0; ++i) {
+    Eigen::Index nearest = 0;
+    (surface.places.rowwise() - side.places.row(i)).rowwise().squaredNorm().minCoeff(&nearest);
+    const auto own = side.shapes.row(i);
+    const auto there = surface.shapes.row(nearest);
+    if (own.dot(there) < kAgainst * own.norm() * there.norm()) signs(i) = -1.0;
+  }
+  return signs;
+}
+
 void check(const Structure& structure) {
   const Eigen::Index r = structure.mode_count();
   require(r > structure.rigid_count && structure.rigid_count >= 0, "no flexible mode");

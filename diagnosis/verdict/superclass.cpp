@@ -55,6 +55,16 @@ void keep_better(std::optional<Superclass>& best, Superclass other) {
   if (!best || other.explained > best->explained) best = std::move(other);
 }
 
+// What a support that moves along the normal does to all responses.
+MatrixXcd shared_by_all(const View& view) {
+  const auto& structure = view.problem.structure;
+  const Eigen::VectorXd out = signs_along_normal(structure, structure.outputs);
+  const Eigen::VectorXd in = signs_along_normal(structure, structure.inputs);
+  const MatrixXd signs =
+      (out * in.transpose())(view.state.output_of, view.state.input_of).reshaped().transpose();
+  return signs.replicate(view.lines(), 1).cast<Complex>();
+}
+
 void try_channels(const View& view, std::optional<Superclass>& best) {
   const auto& structure = view.problem.structure;
   const auto only = [&](Index first, Index stride, Index count) {
@@ -80,8 +90,7 @@ void try_channels(const View& view, std::optional<Superclass>& best) {
   }
   if (view.outputs() * view.inputs() < 2) return;
   keep_better(best, free_function(view, view.now.value, "all channels", ""));
-  keep_better(best, free_function(view, MatrixXcd::Ones(view.lines(), view.now.value.cols()),
-                                  "support", ""));
+  keep_better(best, free_function(view, shared_by_all(view), "support", ""));
 }
 
 void try_places(const View& view, std::optional<Superclass>& best) {

@@ -33,8 +33,8 @@ Explanation explanation_of(const Problem& problem, const Found& found, const Fit
   return explanation;
 }
 
-// True for a number that another mesh or solver finds otherwise. A place, an offset of a channel and
-// a frequency are not, because a pole shows its frequency directly.
+// True for a number that another mesh or solver finds otherwise. A place, an offset of a channel
+// and a frequency are not, because a pole shows its frequency directly.
 bool is_a_size(const CauseParameter& parameter) {
   using Role = Parameter::Role;
   return parameter.role == Role::strength || parameter.role == Role::extent ||
@@ -330,7 +330,7 @@ Verdict judged(const Problem& problem, const Found& found,
   }
   const bool rivals = std::ranges::any_of(
       explanations.begin() + 1, explanations.end(), [&](const Explanation& other) {
-        return best.log_evidence - other.log_evidence < options.rival_within;
+        return best.log_evidence - (other.log_evidence + other.promise) < options.rival_within;
       });
   return rivals ? Verdict::ambiguous : Verdict::named;
 }

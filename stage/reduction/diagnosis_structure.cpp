@@ -18,7 +18,8 @@ namespace {
 
 constexpr Eigen::Index kLeastFlexibleModes = 12;
 constexpr double kBeyondBand = 3.0;
-constexpr double kStep = 1e-4;   // step for a channel's slope, over the body's shorter side
+constexpr double kStep = 1e-4;  // step for a channel's slope, over the body's shorter side
+constexpr double kAside = 0.2;  // sine of the angle to the normal beyond which no channel is tilted
 constexpr double kThin = 0.125;  // thickness over the shorter side
 
 Eigen::Index modes_in_use(const Solution& solution, double high_hz) {
@@ -87,6 +88,9 @@ diagnosis::ChannelSide side_of(const std::vector<study::Channel>& channels,
     side.places.row(i) = chart.place(site.position);
     side.slope_u.row(i) = slope_at(finder, site, direction, chart.axes.col(0), step, modes);
     side.slope_v.row(i) = slope_at(finder, site, direction, chart.axes.col(1), step, modes);
+    if ((chart.axes.leftCols<2>().transpose() * direction).norm() > kAside) {
+      for (auto* aside : {&side.aside_u, &side.aside_v}) aside->row(i).setZero();
+    }
   }
   return side;
 }

@@ -11,10 +11,10 @@
 namespace chladni::stage {
 namespace {
 
-constexpr int kScan = 350;       // places on a face
-constexpr int kScanAlong = 100;  // along a line
-constexpr int kSamples = 4;      // per side of a rectangle, to measure its covered part
-constexpr double kSlopeStep = 1e-3;   // step for a slope, over the mean size of the mesh's faces
+constexpr int kScan = 350;           // places on a face
+constexpr int kScanAlong = 100;      // along a line
+constexpr int kSamples = 4;          // per side of a rectangle, to measure its covered part
+constexpr double kSlopeStep = 1e-3;  // step for a slope, over the mean size of the mesh's faces
 constexpr double kLeastPart = 0.5 / (kSamples * kSamples);  // covered, if no sample hits the body
 
 // The boundary alone, in the chart's coordinates, with new node numbers; `kept` has the old ones.
@@ -154,6 +154,12 @@ std::optional<mesh::Site> UpperFace::uppermost(const Eigen::Vector2d& place) con
 }
 
 bool UpperFace::holds(const Eigen::Vector2d& place) const { return uppermost(place).has_value(); }
+
+std::optional<double> UpperFace::height(const Eigen::Vector2d& place) const {
+  const auto here = uppermost(place);
+  if (!here) return {};
+  return here->position(2);
+}
 
 std::optional<diagnosis::PointMotion> UpperFace::at(const Eigen::Vector2d& place) const {
   const auto here = uppermost(place);

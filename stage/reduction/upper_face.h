@@ -62,6 +62,8 @@ class UpperFace {
 
   /// True if the uppermost face at this place counts.
   [[nodiscard]] bool holds(const Eigen::Vector2d& place) const;
+  /// Height of that face over the plane of the chart [m]; none outside the body.
+  [[nodiscard]] std::optional<double> height(const Eigen::Vector2d& place) const;
   /// Motion along the chart's normal; none outside the body. The static part has u modes and one
   /// entry for all beyond, or is empty. Cost: five searches, logarithmic in the faces.
   [[nodiscard]] std::optional<diagnosis::PointMotion> at(const Eigen::Vector2d& place) const;

@@ -67,6 +67,10 @@ std::optional<diagnosis::MeasuredModes> modes_of_fit(const Diagnosed& one, bool 
 void answer_by_modes(Diagnosed& one) {
   const auto& by_modes = *one.by_modes;
   auto& result = one.result;
+  if (!result.best.causes.empty()) {  // what is left beside causes that are no longer told
+    result.map = by_modes.map;
+    result.after = result.before;
+  }
   result.verdict = by_modes.verdict;
   result.best = by_modes.best;
   result.best.excess =
@@ -80,6 +84,7 @@ void answer_by_modes(Diagnosed& one) {
   result.modes = by_modes.modes;
   result.constants = by_modes.constants;
   result.constants_in_pairs = by_modes.constants_in_pairs;
+  result.notes = result.data_notes;
   result.notes.push_back(reason_in_words(by_modes));
 }
 

@@ -28,8 +28,8 @@ namespace chladni::steps {
                                                  stage::Work& work);
 
 /// True if there are four channels or more, and the modes of the responses scatter about the
-/// simulated ones by more than the tolerance of a frequency, or most of them are like none of these:
-/// by errors of the model or by a cause, which only their diagnosis tells apart.
+/// simulated ones by more than the tolerance of a frequency, or most of them are like none of
+/// these: by errors of the model or by a cause, which only their diagnosis tells apart.
 [[nodiscard]] bool has_other_modes(const Diagnosed& one,
                                    const diagnosis::DiagnosisOptions& options);
 
@@ -62,7 +62,7 @@ void diagnose_modes(Diagnosed& one, const std::optional<diagnosis::MeasuredModes
 
 /// The result after both diagnoses. Where the responses are not explained within the stated
 /// tolerances, causes that the modes name are the answer, and where the model is less good than
-/// these whatever the modes say is.
+/// these whatever the modes say is. Of the notes, those on the data then stay.
 void take_answer_of_modes(Diagnosed& one, const diagnosis::DiagnosisOptions& options);
 
 /// Causes named by the modes of the responses are not believed if the study with them predicts the

@@ -1,12 +1,15 @@
 #include "steps/compared.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "diagnosis/diagnosed_modes.h"
@@ -44,11 +47,20 @@ std::optional<identification::ModalFit> compare(const study::Study& study, Compa
   return fit;
 }
 
-// Records without units have an unknown scale, so they get the scale of the simulation. Returns
-// true if the scale was changed.
+// Records without units have an unknown scale, so they get the scale of the simulation. Where some
+// state theirs, these have the scale, and the others are taken as they are. Returns true if the
+// scale was changed.
 bool take_scale(Compared& one, stage::Work& work) {
-  const auto unstated = [](const modal::MeasuredChannel& channel) { return channel.unit.empty(); };
-  if (std::ranges::none_of(one.measured.all.outputs, unstated)) return false;
+  std::vector<std::string> unstated;
+  for (const auto& channel : one.measured.all.outputs) {
+    if (channel.unit.empty()) unstated.push_back(channel.name);
+  }
+  if (unstated.empty()) return false;
+  if (unstated.size() < one.measured.all.outputs.size()) {
+    work.warn(fmt::format("{}: no unit is stated, though other sensors state theirs: taken as m",
+                          fmt::join(unstated, ", ")));
+    return false;
+  }
   const double level = one.comparison.responses.level;
   if (!(level > 0.0) || !std::isfinite(level)) return false;
   work.note(

@@ -7,6 +7,7 @@
 #include <complex>
 #include <exception>
 #include <limits>
+#include <memory>
 #include <new>
 #include <numbers>
 
@@ -37,16 +38,36 @@ std::vector<std::filesystem::path> allowed_for(const study::Study& study, const 
   return allowed;
 }
 
+// The channels of the study that were diagnosed, and the surface on which causes were sought.
+DiagnosedOn diagnosed_on(const Diagnosed& one, const stage::DiagnosedFaces& faces) {
+  const auto among = [](std::vector<std::string> names, const std::vector<std::string>& all) {
+    std::erase_if(
+        names, [&](const std::string& name) { return std::ranges::find(all, name) == all.end(); });
+    return names;
+  };
+  const auto& outputs = one.structure.outputs.names;
+  const auto& inputs = one.structure.inputs.names;
+  DiagnosedOn on;
+  on.sensors = among(one.modes ? one.modes->outputs : modal::names_of(one.seen.outputs), outputs);
+  on.actuators = among(one.modes ? one.modes->inputs : modal::names_of(one.seen.inputs), inputs);
+  const auto& body = one.before.model.body;
+  const auto face = std::make_shared<stage::UpperFace>(faces.chart, body,
+                                                       Eigen::MatrixXd(3 * body.node_count(), 0),
+                                                       stage::ModesAbove{}, faces.chosen);
+  on.height = [face](const Eigen::Vector2d& place) { return face->height(place); };
+  return on;
+}
+
 // Writes the extended study, and solves it in full if a cause changed it.
 void extend(const study::Study& study, double band_hz, const SolveStudy& solve, Diagnosed& one,
             stage::Work& work) {
   const auto causes = causes_to_extend(one);
   const auto allowed = allowed_for(study, work);
   const auto& body = one.before.model.body;
-  const bool fits =
-      stage::has_the_axes_of_variations(stage::diagnosed_faces(study, body).chart, body);
+  const auto faces = stage::diagnosed_faces(study, body);
+  const bool fits = stage::has_the_axes_of_variations(faces.chart, body);
   one.extended = extended_study(study.text, study.file, one.structure.surface, causes,
-                                work.choices().folder, allowed, fits);
+                                work.choices().folder, allowed, fits, diagnosed_on(one, faces));
   if (one.extended->unexpressed.size() == causes.size()) return;
   if (one.reference) return;  // solved again, it would be off by what the study is off by
   const auto part = work.part("extended: ");
@@ -64,16 +85,37 @@ void extend(const study::Study& study, double band_hz, const SolveStudy& solve, 
   }
 }
 
-// If a wrong unit or quantity applies to all sensors of the fit, it also applies to those held out.
-std::vector<diagnosis::Cause> of_all_channels(std::vector<diagnosis::Cause> causes,
+// A mass at the place of each channel.
+void hang_on_each(const diagnosis::Cause& masses, const diagnosis::ChannelSide& channels,
+                  std::vector<diagnosis::Cause>& causes) {
+  for (const auto place : channels.places.rowwise()) {
+    diagnosis::Cause one;
+    one.effect = "point_mass";
+    one.parameters = masses.parameters;
+    one.parameters.push_back({"u", "m", place(0)});
+    one.parameters.push_back({"v", "m", place(1)});
+    causes.push_back(std::move(one));
+  }
+}
+
+// The causes of the channels of the fit, on all channels. If a wrong unit or quantity applies to
+// all sensors of the fit, it also applies to those held out. Masses hang where the fit had them.
+std::vector<diagnosis::Cause> of_all_channels(const std::vector<diagnosis::Cause>& causes,
                                               const diagnosis::Structure& seen,
                                               const diagnosis::Structure& all) {
-  for (auto& cause : causes) {
-    if (!cause.option.empty() && cause.channels == seen.outputs.names) {
-      cause.channels = all.outputs.names;
+  std::vector<diagnosis::Cause> result;
+  for (const auto& cause : causes) {
+    if (cause.effect == "sensor_masses") {
+      hang_on_each(cause, seen.outputs, result);
+    } else if (cause.effect == "actuator_masses") {
+      hang_on_each(cause, seen.inputs, result);
+    } else {
+      result.push_back(cause);
+      const bool is_of_all = !cause.option.empty() && cause.channels == seen.outputs.names;
+      if (is_of_all) result.back().channels = all.outputs.names;
     }
   }
-  return causes;
+  return result;
 }
 
 // Prediction of the reduced model with all causes and constants. The channels of the fit use the
@@ -81,12 +123,12 @@ std::vector<diagnosis::Cause> of_all_channels(std::vector<diagnosis::Cause> caus
 // same causes.
 std::vector<Eigen::MatrixXcd> fitted_model(const Diagnosed& one) {
   const auto& set = one.measured.all;
-  auto causes = constants_as_causes(one.result);
-  causes.insert(causes.end(), one.result.best.causes.begin(), one.result.best.causes.end());
+  const auto& constants = one.result.constants;
+  const auto& causes = one.result.best.causes;
   const auto own = diagnosis::seen(one.structure, one.seen, HUGE_VAL).structure;
-  const auto seen = diagnosis::predicted(own, causes, set.frequency_hz);
-  const auto all = diagnosis::predicted(one.structure, of_all_channels(causes, own, one.structure),
-                                        set.frequency_hz);
+  const auto seen = diagnosis::predicted(own, constants, causes, set.frequency_hz);
+  const auto all = diagnosis::predicted(
+      one.structure, constants, of_all_channels(causes, own, one.structure), set.frequency_hz);
   const auto rows = places(set.outputs, one.structure.outputs.names);
   const auto cols = places(set.inputs, one.structure.inputs.names);
   const auto own_rows = places(one.seen.outputs, own.outputs.names);

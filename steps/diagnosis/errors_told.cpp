@@ -1,9 +1,12 @@
 #include "steps/diagnosis/errors_told.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
+#include "diagnosis/effect.h"
 #include "diagnosis/error_band.h"
 
 namespace chladni::steps {
@@ -48,6 +51,30 @@ const diagnosis::ModeDifference* partner_of(const diagnosis::ModeComparison& mod
   return pair == modes.pairs.end() ? nullptr : &*pair;
 }
 
+// True for a gain, a delay, a low-pass or a quantity: of the record, and not of the structure.
+bool is_in_path(const diagnosis::Cause& cause) {
+  constexpr std::array<std::string_view, 4> kOfRecords{"gain", "delay", "low_pass", "quantity"};
+  return std::ranges::any_of(diagnosis::effect(cause.effect).in_study.keys,
+                             [&](const diagnosis::StudyKey& key) {
+                               return std::ranges::find(kOfRecords, key.key) != kOfRecords.end();
+                             });
+}
+
+// A structure has no records. Where a cause is in them, the MACs are those of the reduced model,
+// which does.
+void take_mac_of_records(const diagnosis::Diagnosis& result,
+                         std::vector<diagnosis::ModeTold>& told) {
+  if (std::ranges::none_of(result.best.causes, is_in_path)) return;
+  for (auto& mode : told) {
+    const auto found =
+        std::ranges::find(result.modes, mode.measured_hz, &diagnosis::ModeTold::measured_hz);
+    if (found == result.modes.end()) continue;
+    if (!std::isfinite(found->mac_before) || !std::isfinite(found->mac_after)) continue;
+    mode.mac_before = found->mac_before;
+    mode.mac_after = found->mac_after;
+  }
+}
+
 }  // namespace
 
 std::vector<diagnosis::ModeTold> modes_of_responses(const Diagnosed& one,
@@ -69,6 +96,7 @@ std::vector<diagnosis::ModeTold> modes_of_responses(const Diagnosed& one,
     mode.mac_after = is != nullptr ? is->mac : kUnknown;
     told.push_back(mode);
   }
+  if (after != nullptr) take_mac_of_records(one.result, told);
   std::ranges::stable_sort(told, {}, &diagnosis::ModeTold::measured_hz);
   return told;
 }

@@ -10,7 +10,9 @@
 
 namespace chladni::steps {
 
-/// Measured modes beside those of the study and, where it was solved, of the extended study.
+/// Measured modes beside those of the study and, where it was solved, of the extended study. Where
+/// a cause that the modes name is in the path of a channel, the MACs are those of the reduced
+/// model.
 /// @param fit    modes of `one.seen`
 /// @param after  structure of the extended study; or null
 [[nodiscard]] std::vector<diagnosis::ModeTold> modes_of_responses(

@@ -122,6 +122,7 @@ std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen,
 }
 
 diagnosis::MeasuredModes clear_modes(const diagnosis::MeasuredModes& all, stage::Work& work) {
+  require(all.count() > 0, "no mode can be identified from its responses");
   Eigen::VectorXd strength = Eigen::VectorXd::Zero(all.count());
   for (Index i = 0; i < all.output_shapes.rows(); ++i) {
     for (Index j = 0; j < all.input_shapes.rows(); ++j) {

@@ -29,6 +29,7 @@ namespace chladni::steps {
 
 /// The modes of a fit that are no filling of it: with a tenth of the largest residue in some
 /// response, and damped at most three times as much as the median of those. A note tells of others.
+/// @throws InvalidInput  the fit has no mode
 [[nodiscard]] diagnosis::MeasuredModes clear_modes(const diagnosis::MeasuredModes& all,
                                                    stage::Work& work);
 

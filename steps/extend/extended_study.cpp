@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "host/folder.h"
 #include "steps/extend/extension.h"
@@ -29,18 +31,37 @@ void lead_paths(study::TomlEdit& edit, const fs::path& file, const fs::path& fol
                   fs::weakly_canonical(from).string()));
 }
 
+bool is_exchange(const diagnosis::Cause& cause) {
+  return cause.effect.starts_with("swapped_") || cause.effect.starts_with("permuted_");
+}
+
+// 0: of the body or of a channel at its place; 1: an exchange of labels; 2: of a record.
+int turn_of(const diagnosis::Cause& cause) {
+  if (is_exchange(cause)) return 1;
+  const bool is_of_place =
+      cause.effect.ends_with("_position") || cause.effect.ends_with("_direction");
+  return cause.channels.empty() || is_of_place ? 0 : 2;
+}
+
+// A channel has another name after an exchange.
+std::vector<diagnosis::Cause> in_order(std::vector<diagnosis::Cause> causes) {
+  if (std::ranges::any_of(causes, is_exchange)) std::ranges::stable_sort(causes, {}, turn_of);
+  return causes;
+}
+
 }  // namespace
 
 ExtendedStudy extended_study(std::string_view bytes, const fs::path& file,
                              const diagnosis::Surface& chart,
                              const std::vector<diagnosis::Cause>& causes, const fs::path& folder,
-                             const std::vector<fs::path>& allowed, bool fits_variations) {
+                             const std::vector<fs::path>& allowed, bool fits_variations,
+                             const DiagnosedOn& on) {
   ExtendedStudy result{std::string(bytes), {}};
-  for (const auto& cause : causes) {
+  for (const auto& cause : in_order(causes)) {
     // One cause after the other: each starts from the text that the one before left.
     const study::Study study = study::parse_study(result.text, file, allowed);
     study::TomlEdit edit(result.text, file.string());
-    const Extension by{edit, study, chart, cause, fits_variations};
+    const Extension by{edit, study, chart, cause, fits_variations, on};
     const auto refused = extend(cause.effect)(by);
     if (!refused.empty()) {
       result.unexpressed.push_back(cause.effect + ": " + refused);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -98,7 +99,12 @@ bool looks_down(const Extension& by) {
 }
 
 std::string place(const Extension& by) {
-  return place(study::Place{by.chart.in_body({by.number("u"), by.number("v")}), looks_down(by)});
+  const Eigen::Vector2d at(by.number("u"), by.number("v"));
+  Eigen::Vector3d point = by.chart.in_body(at);
+  if (!looks_down(by) && by.on.height) {
+    point += by.on.height(at).value_or(0.0) * by.chart.axis_u.cross(by.chart.axis_v);
+  }
+  return place(study::Place{point, looks_down(by)});
 }
 
 std::string place(const study::Place& at) {

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "diagnosis/diagnosed.h"
+#include "steps/extend/extended_study.h"
 #include "study/study.h"
 #include "study/toml_edit.h"
 
@@ -17,6 +18,7 @@ struct Extension {
   const diagnosis::Surface& chart;  ///< for the cause's u and v
   const diagnosis::Cause& cause;
   bool fits_variations = true;  ///< the chart's axes are those of [[variation]]
+  const DiagnosedOn& on;        ///< what the diagnosis had
 
   /// A fitted number of the cause, or one that its option fixes.
   /// @throws InvalidInput  the cause has no number of that name
@@ -52,7 +54,8 @@ void lengthen(const Extension& by, const study::TomlNode& value, double metres);
 
 /// True if the chart is x and y of the body's frame.
 [[nodiscard]] bool looks_down(const Extension& by);
-/// `at` for the cause's u and v: seen from above if the chart looks down, else the nearest point.
+/// `at` for the cause's u and v: seen from above if the chart looks down, else the point of the
+/// body that is seen there along the chart's normal.
 [[nodiscard]] std::string place(const Extension& by);
 /// `at` in the form that a study uses.
 [[nodiscard]] std::string place(const study::Place& at);

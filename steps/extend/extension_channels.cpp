@@ -102,6 +102,10 @@ bool names(const diagnosis::Cause& cause, const std::string& channel) {
 
 // True if the cause is on all sensors of the fit.
 bool of_all(const Extension& by) {
+  if (!by.on.sensors.empty()) {
+    return std::ranges::all_of(by.on.sensors,
+                               [&](const std::string& sensor) { return names(by.cause, sensor); });
+  }
   return std::ranges::all_of(by.study.sensors, [&](const study::Channel& sensor) {
     const auto held_out = by.study.measurement.value_or(study::MeasurementPlan{}).hold_out;
     return names(by.cause, sensor.name) ||
@@ -109,7 +113,8 @@ bool of_all(const Extension& by) {
   });
 }
 
-// Sensors of the cause. A cause on all sensors of the fit also applies to those held out.
+// Sensors of the cause. A cause on all sensors of the fit also applies to those held out and to
+// those that were not measured.
 std::vector<ChannelTable> sensors_of(const Extension& by) {
   if (of_all(by)) return all_sensors(by);
   std::vector<ChannelTable> some;

@@ -49,11 +49,14 @@ std::string attach(const Extension& by, const InStudy& record) {
   return {};
 }
 
+// On the channels that the diagnosis had: on others it knows of no mass.
 std::string attach_to(const Extension& by, const InStudy& record,
-                      const std::vector<study::Channel>& channels) {
+                      const std::vector<study::Channel>& channels,
+                      const std::vector<std::string>& seen) {
   Members members;
   add_keys(by, record, members);
   for (const auto& channel : channels) {
+    if (!seen.empty() && std::ranges::find(seen, channel.name) == seen.end()) continue;
     append_attachment(by, place(channel.at), std::string(record.kind),
                       std::string(record.kind) + "_of_" + channel.name, members);
   }
@@ -123,9 +126,9 @@ std::string extend_by_record(const Extension& by) {
     case Table::attachment:
       return attach(by, record);
     case Table::sensor_attachments:
-      return attach_to(by, record, by.study.sensors);
+      return attach_to(by, record, by.study.sensors, by.on.sensors);
     case Table::actuator_attachments:
-      return attach_to(by, record, by.study.actuators);
+      return attach_to(by, record, by.study.actuators, by.on.actuators);
     case Table::variation:
       return vary(by, record);
     case Table::materials:

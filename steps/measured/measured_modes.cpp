@@ -87,8 +87,10 @@ bool has_modes(const study::MeasurementPlan& plan) { return !plan.modes_file.emp
 
 MeasuredModes modes_below(double highest_hz, const MeasuredModes& all, const study::Study& study,
                           stage::Work& work) {
+  const auto& modes_file = study.measurement->modes_file;
+  const auto file = (modes_file.empty() ? study.file : modes_file).string();  // empty: of responses
+  require(all.count() > 0, file + ": no mode was measured");
   const auto count = (all.frequency_hz.array() <= highest_hz).count();
-  const auto file = study.measurement->modes_file.string();
   require(count > 0, fmt::format("{}: the lowest mode lies at {:.6g} Hz; expected one below {:.6g} "
                                  "Hz, where the simulation's modes end",
                                  file, all.frequency_hz(0), highest_hz));

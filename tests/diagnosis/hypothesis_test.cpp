@@ -110,6 +110,33 @@ TEST(Hypothesis, AppliesItsCausesOneAfterTheOther) {
   }
 }
 
+// A constant keeps the damping ratios, which the effect of the same name does not, and directions
+// of the stiffness are no effects of the catalogue.
+TEST(Hypothesis, HasConstantsAsTheFitsHaveThem) {
+  const auto calibrated = [](const std::string& effect, double by, bool determined = true) {
+    return CalibratedNumber{"material." + effect, "1", effect, 2.0, 2.0 * by, 0.0, 0.1, determined};
+  };
+  const double by = 1.21;  // all frequencies grow by 10 %, their ratios stay
+  auto stiffer = reduced_model(small_plate());
+  stiffer.frequency_hz *= std::sqrt(by);
+  stiffer.residual /= by;
+  const auto expected = modal::frf(stiffer, lines_hz()).value;
+  const auto found = predicted(small_plate(), {calibrated("youngs_modulus", by)}, {}, lines_hz());
+  EXPECT_LT(apart(found, expected), 1e-10);
+  const auto nothing = predicted(small_plate(), {}, lines_hz());
+  for (const auto* name : {"stiffness_along_u", "stiffness_along_v", "shear_stiffness", "thickness",
+                           "density", "modal_damping"}) {
+    EXPECT_GT(apart(predicted(small_plate(), {calibrated(name, by)}, {}, lines_hz()), nothing),
+              1e-3)
+        << name;
+    EXPECT_EQ(
+        apart(predicted(small_plate(), {calibrated(name, by, false)}, {}, lines_hz()), nothing),
+        0.0);
+  }
+  EXPECT_THROW((void)predicted(small_plate(), {calibrated("gremlin", by)}, {}, lines_hz()),
+               InvalidInput);
+}
+
 // A unit of three sensors, told of a structure of which three are seen, on one of four.
 TEST(Hypothesis, OfSeveralChannelsThatAreNotAllIsOneOfEach) {
   const auto& unit = effect("sensor_unit");

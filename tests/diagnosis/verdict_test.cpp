@@ -42,6 +42,17 @@ class JudgedVerdict : public testing::Test {
     return judged({small_plate(), observed_, none_}, found_, {best}, {});
   }
 
+  // One cause with nothing left, beside another so much behind that may still gain `promise`.
+  Verdict beside(double behind, double promise) const {
+    Explanation best;
+    best.causes.resize(1);
+    best.strained = 2e4;
+    Explanation rival = best;
+    rival.log_evidence = -behind;
+    rival.promise = promise;
+    return judged({small_plate(), observed_, none_}, found_, {best, rival}, {});
+  }
+
   Found found_;
 
  private:
@@ -58,6 +69,15 @@ TEST_F(JudgedVerdict, NamesWhatLeavesNoise) {
   EXPECT_EQ(with(0, 2.5), Verdict::no_discrepancy);
   EXPECT_EQ(with(0, 6.0), Verdict::unexplained);
   EXPECT_EQ(with(2, 2000.0), Verdict::unexplained);
+}
+
+// One whose fit has not converged may still become likelier than the best.
+TEST_F(JudgedVerdict, CountsWhatARivalPromises) {
+  const double within = kConstants.rival_within;
+  EXPECT_EQ(beside(within + 1.0, 0.0), Verdict::named);
+  EXPECT_EQ(beside(within - 1.0, 0.0), Verdict::ambiguous);
+  EXPECT_EQ(beside(within + 1.0, 2.0), Verdict::ambiguous);
+  EXPECT_EQ(beside(within + 8.0, 2.0), Verdict::named);
 }
 
 // Three causes that still leave 2.7 deviations are rarer than a thing that nobody thought of.

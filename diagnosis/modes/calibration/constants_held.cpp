@@ -124,17 +124,6 @@ std::vector<Effect> made_effects() {
   return all;
 }
 
-const Effect& effect_of(const CalibratedConstant& constant) {
-  static const std::vector<Effect> all = made_effects();
-  for (const auto& one : all) {
-    if (one.name == constant.effect) return one;
-  }
-  require(constant.effect == "modal_damping",
-          fmt::format("{} is calibrated by \"{}\", which is no constant", constant.name,
-                      constant.effect));
-  return effect(constant.effect);
-}
-
 double width_of(const CalibratedConstant& constant, const Effect& effect,
                 const Tolerances& tolerances) {
   if (constant.kind == Kind::unknown) return kConstants.unknown_constant;
@@ -159,13 +148,23 @@ bool holds_all_directions(const std::vector<HeldConstant>& constants) {
 
 }  // namespace
 
+const Effect& held_effect(const std::string& constant, std::string_view name) {
+  static const std::vector<Effect> all = made_effects();
+  for (const auto& one : all) {
+    if (one.name == name) return one;
+  }
+  require(name == "modal_damping",
+          fmt::format("{} is calibrated by \"{}\", which is no constant", constant, name));
+  return effect(name);
+}
+
 std::vector<HeldConstant> held_constants(const Structure& structure,
                                          const std::vector<CalibratedConstant>& constants,
                                          const Tolerances& tolerances,
                                          std::vector<std::string>& notes) {
   std::vector<HeldConstant> all;
   for (const auto& constant : constants) {
-    const Effect& effect = effect_of(constant);
+    const Effect& effect = held_effect(constant.name, constant.effect);
     require(!holds(all, effect.name), constant.name + " is stated twice");
     if (effect.options(structure) <= 0) {
       notes.push_back(constant.name +

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "diagnosis/calibrated.h"
@@ -17,6 +18,12 @@ struct HeldConstant {
   const Effect* effect = nullptr;
   double width = 0.0;  ///< of the prior of its coordinate
 };
+
+/// The effect of a constant, whose one coordinate is the logarithm of the constant over the
+/// study's. An effect of the catalogue that has the same name leaves the losses instead of the
+/// damping ratios.
+/// @throws InvalidInput  no such effect; the message names the constant
+[[nodiscard]] const Effect& held_effect(const std::string& constant, std::string_view name);
 
 /// Those that the structure can show, directions of the stiffness first, with their widths: what
 /// was stated, but for `known` not less than the tolerance. A note for each of the others.

@@ -160,23 +160,6 @@ TEST(Compared, WhatWasNotMeasuredIsNoError) {
   EXPECT_TRUE(std::isnan(compared(measured, table().exact).chi_square(0, 0)));
 }
 
-// A channel without a number has no gain, and none of the level is taken for it.
-TEST(Compared, AChannelThatSaysNothingHasNoGain) {
-  auto measured = modal::part(table().measured, {0, 1}, {0, 1, 2});
-  std::vector<Eigen::MatrixXcd> simulated;
-  for (const auto& value : table().exact)
-    simulated.emplace_back(value(std::vector{0, 1}, std::vector{0, 1, 2}));
-  for (std::size_t k = 0; k < measured.value.size(); ++k) {
-    measured.value[k] = 2.0 * simulated[k];
-    measured.value[k].row(1).setConstant(kNone);
-  }
-  const auto found = compared(measured, simulated);
-  EXPECT_NEAR(found.level, 2.0, 1e-12);
-  EXPECT_NEAR(found.output_gain(0), 1.0, 1e-12);
-  EXPECT_TRUE(std::isnan(found.output_gain(1)));
-  EXPECT_LT((found.input_gain.array() - 1.0).abs().maxCoeff(), 1e-12);
-}
-
 TEST(Compared, AnErrorStaysInItsBand) {
   auto simulated = table().exact;
   const auto& f = table().measured.frequency_hz;

@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string_view>
+#include <utility>
+#include <vector>
 
+#include "diagnosis/effect.h"
 #include "diagnosis/fit/deviations.h"
 #include "diagnosis/small_plate.h"
 
@@ -29,6 +33,26 @@ BodyCells cells_of(Index n, Index across) {
     }
   }
   return cells;
+}
+
+// The names are those of the axes, also of a strip whose long side lies along v.
+TEST(SmoothFields, AreNamedAfterTheAxisThatTheyVaryAlong) {
+  const auto told = [](const BodyCells& cells) {
+    Structure body;
+    body.cells = cells;
+    std::vector<std::string_view> names;
+    for (const auto& one : effect("modulus_field").parameters(body)) names.push_back(one.name);
+    return names;
+  };
+  const std::vector<std::string_view> face(kSmoothFields.begin(), kSmoothFields.end());
+  EXPECT_EQ(told(cells_of(10, 10)), face);
+  auto line = cells_of(24, 1);
+  EXPECT_EQ(told(line), (std::vector<std::string_view>{"u1", "u2"}));
+  std::swap(line.from(0), line.from(1));
+  std::swap(line.size(0), line.size(1));
+  line.centres.col(0).swap(line.centres.col(1));
+  EXPECT_EQ(told(line), (std::vector<std::string_view>{"v1", "v2"}));
+  EXPECT_EQ(smooth_fields(line).cols(), 2);
 }
 
 // Legendre's polynomials: orthogonal on the line, to each other and to the smooth fields, of norm

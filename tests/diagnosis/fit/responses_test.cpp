@@ -4,12 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <cmath>
 #include <functional>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
 #include "diagnosis/attached/attachments.h"
+#include "diagnosis/effect.h"
+#include "diagnosis/fit/deviations.h"
 #include "diagnosis/small_plate.h"
 #include "simulators/hidden/hidden_effect.h"
 #include "simulators/portable_random.h"
@@ -177,6 +182,53 @@ TEST(Responses, OfABodyThatDriftsHaveSlopesThatAreDifferences) {
     EXPECT_LT((slope(state, now, minus, plus, 2.0 * step) - difference).norm(),
               1e-4 * difference.norm())
         << step;
+  }
+}
+
+// The plate with its second sensor and its first actuator stated against the normal.
+Structure plate_with_channels_against() {
+  Structure turned = small_plate();
+  const auto turn = [](ChannelSide& side, Eigen::Index i) {
+    for (auto* rows : {&side.shapes, &side.slope_u, &side.slope_v, &side.upper}) {
+      if (rows->size() > 0) rows->row(i) *= -1.0;
+    }
+  };
+  turn(turned.outputs, 1);
+  turn(turned.inputs, 0);
+  turned.residual.row(1) *= -1.0;
+  turned.residual.col(0) *= -1.0;
+  return turned;
+}
+
+// @param against  of that plate
+void expect_the_same_but_for_signs(const State& state, State against, std::string_view what) {
+  against.output_paths[1].gain *= -1.0;
+  against.input_paths[0].gain *= -1.0;
+  const MatrixXcd expected = responses(state, some_lines());
+  EXPECT_LT((responses(against, some_lines()) - expected).norm(), 1e-12 * expected.norm()) << what;
+}
+
+TEST(Responses, OfChannelsAgainstTheNormalHaveTheSupportOfTheOthers) {
+  const Structure turned = plate_with_channels_against();
+  Eigen::VectorXd signs = Eigen::VectorXd::Ones(turned.output_count());
+  EXPECT_EQ(signs_along_normal(small_plate(), small_plate().outputs), signs);
+  signs(1) = -1.0;
+  EXPECT_EQ(signs_along_normal(turned, turned.outputs), signs);
+  const Eigen::Vector3d x(std::log(3.0 * turned.mass_kg), std::log(200.0), std::log(0.05));
+  State state = state_of(small_plate());
+  State against = state_of(turned);
+  effect("frame").apply(state, small_plate(), 0, x);
+  effect("frame").apply(against, turned, 0, x);
+  expect_the_same_but_for_signs(state, against, "frame");
+  const auto own = deviations(small_plate(), Tolerances{}, 1e9);
+  const auto others = deviations(turned, Tolerances{}, 1e9);
+  for (std::size_t n = 0; n < own.size(); ++n) {
+    if (own[n].name.find("of the modes above") == std::string::npos) continue;
+    state = state_of(small_plate());
+    against = state_of(turned);
+    own[n].apply(state, 0.7);
+    others[n].apply(against, 0.7);
+    expect_the_same_but_for_signs(state, against, own[n].name);
   }
 }
 
