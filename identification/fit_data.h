@@ -18,12 +18,16 @@ struct FitData {
   bool freedom_known = true;   ///< else ν is not stated; the variances are weighted as exact ones
   double noise_freedom = 0.0;  ///< ν, complex degrees of freedom of each variance; 0: exact
   double shared_lines = 1.0;   ///< neighbouring lines that share one estimate of the variance
+  bool weights_are_deviations = true;  ///< else they only say what counts how much: 1/|G|
 
   [[nodiscard]] Eigen::Index line_count() const { return frequency_hz.size(); }
   [[nodiscard]] Eigen::Index response_count() const { return value.cols(); }
   /// Number of measured real numbers: two per response and line of weight above 0.
   [[nodiscard]] Eigen::Index measured_count() const { return 2 * (weight.array() > 0.0).count(); }
 };
+
+/// Norm of the deviations of all measured responses [m/N]; NaN where the weights are none.
+[[nodiscard]] double noise_of(const FitData& data);
 
 /// Mean and standard deviation of the Σ |w e|² that noise alone leaves after a fit.
 struct ExpectedCost {

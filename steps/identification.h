@@ -62,7 +62,8 @@ struct IdentifiedModel : identification::ChannelGains {
                           ///< empty: no significant drift
   std::vector<identification::StabilisationPoint> stabilisation;
   Eigen::MatrixXd error;  ///< per response of `seen`: |G − Ĝ| over |G|, over the lines
-  Eigen::MatrixXd noise;  ///< per response: standard deviation over |G|, likewise
+  /// Per response: standard deviation over |G|, likewise; NaN where the weights are no deviations.
+  Eigen::MatrixXd noise;
   identification::Judgement judgement;
   identification::Validation validation;
   std::optional<identification::CrossValidation> cross_validation;  ///< of periodic recordings

@@ -251,6 +251,7 @@ FitData fit_data(const modal::FrfSet& measured, const FitDataOptions& options) {
   data.noise_known =
       data.noise_stated && options.model_error == 0.0 && (unstated || set.averages > kLeastFreedom);
   data.freedom_known = !data.noise_known || !unstated;
+  data.weights_are_deviations = options.weighting == Weighting::variance;
   for (Eigen::Index j = 0; j < data.inputs; ++j) {
     for (Eigen::Index i = 0; i < data.outputs; ++i) {
       const auto one = response_of(set, i, j);
@@ -268,6 +269,12 @@ FitData fit_data(const modal::FrfSet& measured, const FitDataOptions& options) {
     data.shared_lines = lines_of_one_variance(data);
   }
   return data;
+}
+
+double noise_of(const FitData& data) {
+  if (!data.weights_are_deviations) return std::numeric_limits<double>::quiet_NaN();
+  const auto weight = data.weight.array();
+  return (weight > 0.0).select(weight.max(1e-300).inverse(), 0.0).matrix().norm();
 }
 
 FitData reweighted(const FitData& data, const Eigen::MatrixXcd& fitted,

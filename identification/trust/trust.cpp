@@ -78,8 +78,7 @@ void look_at_what_is_left(const ModalFit& fit, const FitData& data, Judgement& j
   const Eigen::ArrayXXd wrong =
       (data.value - responses(fit, data.frequency_hz)).cwiseAbs2().array() * measured;
   const double power = data.value.cwiseAbs2().sum();
-  const double noise =
-      (measured > 0.0).select(data.weight.array().max(1e-300).square().inverse(), 0.0).sum();
+  const double noise = data.weights_are_deviations ? std::pow(noise_of(data), 2) : 0.0;
   judgement.relative_error = std::sqrt(wrong.sum() / power);
   judgement.unexplained = std::max(0.0, wrong.sum() - noise) / power;
   if (judgement.unexplained > Constants::most_unexplained) {

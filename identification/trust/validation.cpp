@@ -45,15 +45,15 @@ BandResidual band_residual(const FitData& data, const Eigen::MatrixXcd& error, I
                      .noise_stated = data.noise_stated,
                      .freedom_known = data.freedom_known,
                      .noise_freedom = data.noise_freedom,
-                     .shared_lines = data.shared_lines};
+                     .shared_lines = data.shared_lines,
+                     .weights_are_deviations = data.weights_are_deviations};
   const auto weight = part.weight.array();
   const Eigen::ArrayXXcd e = error.middleRows(first, count).array();
   const Eigen::ArrayXXcd white = e * weight;
   const auto numbers = static_cast<double>((weight > 0.0).count());
   BandResidual band{part.frequency_hz(0), part.frequency_hz(count - 1), count};
   band.relative_error = e.matrix().norm() / part.value.norm();
-  band.relative_noise =
-      (weight > 0.0).select(weight.max(1e-300).inverse(), 0.0).matrix().norm() / part.value.norm();
+  band.relative_noise = noise_of(part) / part.value.norm();
   const double power = white.abs2().sum();
   const auto expected = expected_cost(part, 0);
   band.level = power / expected.mean;

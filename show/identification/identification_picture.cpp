@@ -136,10 +136,14 @@ io::Curves fitted_curves(const steps::IdentifiedModel& model) {
     if (weight.maxCoeff() <= 0.0) continue;
     OneResponse one{response_name(model.seen, e % data.outputs, e / data.outputs),
                     data.value.col(e),
-                    weight.cwiseInverse(),
+                    {},
                     {fitted.col(e)}};
+    // A deviation that a model error is part of is no noise.
+    if (data.noise_known) one.deviation = weight.cwiseInverse();
     for (Eigen::Index k = 0; k < weight.size(); ++k) {
-      if (weight(k) <= 0.0) one.measured(k) = one.deviation(k) = std::nan("");
+      if (weight(k) > 0.0) continue;
+      one.measured(k) = std::nan("");
+      if (data.noise_known) one.deviation(k) = std::nan("");
     }
     all.push_back(std::move(one));
   }

@@ -47,10 +47,12 @@ std::string prediction_text(const identification::Validation& left, double expec
   const double noise = freedom_known ? 1.0 : identification::Constants::good_level;
   const auto& whole = left.whole;
   std::string text = fmt::format(
-      "predicted to {:.3g} % of their size, {} there {:.3g} %; the error's square is {:.4g} +- "
+      "predicted to {:.3g} % of their size, {} there {}; the error's square is {:.4g} +- "
       "{:.2g} times that, {:.4g} of a right model",
       100.0 * whole.relative_error, noise_known ? "noise" : "noise and model error allowed",
-      100.0 * whole.relative_noise, whole.level, whole.level_deviation, expected);
+      std::isfinite(whole.relative_noise) ? fmt::format("{:.3g} %", 100.0 * whole.relative_noise)
+                                          : "not known",
+      whole.level, whole.level_deviation, expected);
   const auto* most = worst(left.bands);
   if (most && left.bands.size() > 1) {
     text += fmt::format(", {:.3g} times at most ({})", most->level, band_text(*most));

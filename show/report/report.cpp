@@ -129,9 +129,8 @@ io::Section identification_section(const steps::IdentifiedModel& model) {
   }
   section.blocks.emplace_back(io::Note{
       io::Note::Tone::plain,
-      fmt::format("The responses are fitted to {} % of their size; the noise "
-                  "is {} %.",
-                  percent_cell(steps::overall_error(model)), percent_cell(steps::noise(model)))});
+      fmt::format("The responses are fitted to {} % of their size; {}.",
+                  percent_cell(steps::overall_error(model)), noise_text(model))});
   if (const auto unseen = unseen_text(model); !unseen.empty()) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::plain, "Not seen by the fit: " + unseen});
   }

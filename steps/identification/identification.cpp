@@ -68,7 +68,9 @@ void add_errors(IdentifiedModel& model) {
     const Eigen::ArrayXd wrong = (data.value.col(e) - fitted.col(e)).cwiseAbs().array() * measured;
     model.error(i, j) = wrong.matrix().norm() / size;
     model.noise(i, j) =
-        (measured / data.weight.col(e).array().max(1e-300) * measured).matrix().norm() / size;
+        data.weights_are_deviations
+            ? (measured / data.weight.col(e).array().max(1e-300) * measured).matrix().norm() / size
+            : std::nan("");
   }
   const auto& fit = model.found.fit;
   model.validation =
@@ -332,9 +334,7 @@ double overall_error(const IdentifiedModel& model) {
 }
 
 double noise(const IdentifiedModel& model) {
-  const auto& data = model.data;
-  const Eigen::ArrayXXd measured = (data.weight.array() > 0.0).cast<double>();
-  return (measured / data.weight.array().max(1e-300)).matrix().norm() / data.value.norm();
+  return identification::noise_of(model.data) / model.data.value.norm();
 }
 
 void require_trust(const IdentifiedModel& model) {

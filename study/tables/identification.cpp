@@ -33,6 +33,7 @@ void refuse_idle_keys(TableReader& table, const IdentificationPlan& plan) {
   }
   refuse_unless(plan.weighting == "inverse_magnitude", table, "clip_db",
                 "weighting = \"inverse_magnitude\"");
+  refuse_unless(plan.weighting == "variance", table, "model_error", "weighting = \"variance\"");
   if (plan.clip_db >= plan.cut_off_db) {
     table.wrong(*table.find("clip_db"), table.name("clip_db") +
                                             " is not below cut_off_db: all lines would weigh the "

@@ -82,6 +82,9 @@ TEST(FitData, WeighsByTheInverseMagnitudeDownToTheCutOff) {
   options.cut_off_db = 60.0;
   const auto data = fit_data(set, options);
   EXPECT_FALSE(data.noise_known);
+  EXPECT_FALSE(data.weights_are_deviations);
+  EXPECT_TRUE(std::isnan(noise_of(data)));
+  EXPECT_GT(noise_of(fit_data(set)), 0.0);
   EXPECT_NEAR(data.weight.maxCoeff() * largest, 1e3, 1e-6);
   for (Eigen::Index k = 40; k < 100; ++k) {  // smooth there
     const double size = std::abs(data.value(k, 0));

@@ -60,6 +60,7 @@ TEST(StudyIdentification, RefusesWhatWouldChangeNothing) {
     refused(key, "method = \"thesis\"");
   }
   refused("clip_db = 20", "weighting = \"inverse_magnitude\"");
+  refused("weighting = \"inverse_magnitude\"\nmodel_error = \"1 %\"", "weighting = \"variance\"");
   EXPECT_EQ(read("weighting = \"inverse_magnitude\"\nclip_db = 20").clip_db, 20.0);
 }
 

@@ -67,6 +67,24 @@ TEST(Trust, NeverDoubtsASoundFit) {
   }
 }
 
+// Weights of 1/|G| are no deviations: nothing of what such a fit leaves is noise.
+TEST(Trust, TakesNoWeightsForNoise) {
+  FrfFaults faults;
+  faults.relative_noise = 2e-3;
+  const auto set = trusted_beam(faults);
+  FitDataOptions how;
+  how.weighting = Weighting::inverse_magnitude;
+  const auto data = fit_data(set, how);
+  for (const Eigen::Index modes : {1, 0}) {
+    IdentificationOptions options;
+    options.rigid_count = 0;
+    options.modes = modes;
+    const auto judgement = judged(identified(data, options), data, options);
+    EXPECT_NEAR(judgement.unexplained, std::pow(judgement.relative_error, 2), 1e-12);
+    EXPECT_EQ(judgement.trust == Trust::none, modes == 1) << told(judgement);
+  }
+}
+
 TEST(Trust, SaysThatWhatIsLeftIsMoreThanNoise) {
   FrfFaults faults;
   faults.dashpot =
