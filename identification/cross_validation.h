@@ -30,7 +30,7 @@ using Estimator = std::function<recordings::FrfEstimate(const recordings::Spectr
                                                         const recordings::FrfEstimateOptions&)>;
 
 /// Each realisation in turn; of more than 10 every tenth one together. Where there is one only, its
-/// stretches of two periods or more in turn, of four periods and more.
+/// stretches of two periods or more in turn, all of one length, of four periods and more.
 /// The variance of one realisation is that of the others' mean times their number. With two
 /// realisations it is that of the noise alone, since one does not tell the distortion.
 /// @param data     the recordings of `all`

@@ -42,7 +42,7 @@ struct DesignPlan {
   double longest_s = 1800.0;           ///< of the whole experiment
   double longest_period_s = 120.0;
   int realisations = 4;
-  double lines_per_bandwidth = 4.0;  ///< in the half-power bandwidth of the narrowest mode
+  double lines_per_bandwidth = 4.0;  ///< excited, in the half-power bandwidth of the narrowest mode
   double simulation_error = 0.03;    ///< relative deviation of the simulated frequencies
   int crest_iterations = 0;          ///< 0: random phases
 };
@@ -74,6 +74,7 @@ struct ExperimentDesign {
   Eigen::Index period = 0;  ///< samples
   double sample_time_s = 0.0;
   Eigen::VectorXd line_hz;                              ///< K, of the first realisation
+  double spacing_hz = 0.0;                              ///< from one of them to the next
   Eigen::MatrixXd amplitude;                            ///< K×q [N]: of the sine on each line
   std::vector<recordings::ExperimentSet> realisations;  ///< signals [N], one period each
   Eigen::Index settle = 1;                              ///< periods before those recorded

@@ -51,11 +51,14 @@ struct FieldSimulation {
 /// and the plan has no faulty side; with one, 10 % is taken for as much as two pairs say.
 [[nodiscard]] double gain_deviation(const ChannelGains& gains);
 
+/// Along z, of whose motion alone the rigid-body modes of a match tell.
+[[nodiscard]] bool moves_along_z(const Eigen::RowVector3d& direction);
+
 /// Shapes of responses at places, from a field of the shapes of `modes`. Rigid-body rows come from
 /// the geometry with the deviations of the body's mass, the residual from the simulation's modes
 /// above the band; its deviation is what these do not explain of it at the sensors. A mode that is
-/// not among `modes`, and rigid-body modes without a body, are 0 with their size at the channels as
-/// deviation.
+/// not among `modes`, and rigid-body modes without a body or at places that do not move along z,
+/// are 0 with their size at the channels as deviation.
 [[nodiscard]] PlacesOfInterest places_of_interest(const ModalFit& fit, const ChannelGains& gains,
                                                   const std::vector<Eigen::Index>& modes,
                                                   const FieldSimulation& simulation,

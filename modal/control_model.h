@@ -48,6 +48,7 @@ struct OutputChannel {
                                          const std::vector<std::string>& inputs);
 
 inline constexpr double kMostDelaySamples = 4096;
+inline constexpr double kSameSample = 1e-9;  ///< fractions of a sample that are only rounding
 
 /// @throws InvalidInput  sizes differ, an entry is not finite, a delay is negative, or that of a
 ///                       discrete model is not whole or longer than kMostDelaySamples + 1

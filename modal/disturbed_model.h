@@ -29,6 +29,12 @@ struct Disturbance {
   double drift_time_s = 1.0;
 };
 
+/// Course of a known input from sample to sample.
+enum class InputCourse {
+  held,    ///< a command: it keeps its value
+  linear,  ///< a measured force: a straight line to its next value
+};
+
 /// x⁺ = A x + B [u; w], [y; z] = C x + D [u; w] at the samples. u: the known inputs, with delays of
 /// whole samples; w: independent white noise, held between samples. y: the sensors; z: what is
 /// wanted. Delays of sensors are states.
@@ -38,6 +44,8 @@ struct DisturbedModel {
   Eigen::Index sensors = 0;    ///< of y
   Eigen::VectorXd noise_rms;   ///< of w
   Eigen::VectorXd sensor_rms;  ///< of the noise of y, independent at each sample
+  /// n×u of linear inputs: the states of `model` are x − `ahead` u of the same sample; empty: x.
+  Eigen::MatrixXd ahead;
 
   [[nodiscard]] Eigen::Index state_count() const { return model.space.a.rows(); }
   [[nodiscard]] Eigen::Index wanted_count() const { return model.space.c.rows() - sensors; }
@@ -52,12 +60,14 @@ struct DisturbedModel {
 /// @param continuous    its inputs: `known` ones, then those at which only disturbances act; its
 ///                      outputs: the sensors, then what is wanted
 /// @param sensor_rms    of the noise of each sensor, above 0; their number is that of the sensors
+/// @param course        of all known inputs
 /// @throws InvalidInput  as discretised and with_delay_states; a disturbance at no input, without
 ///                       rms and density or with both, with a band that is not ascending or above
 ///                       half of the sample rate; noise of a sensor that is not positive
 [[nodiscard]] DisturbedModel disturbed_model(const ControlModel& continuous, Eigen::Index known,
                                              const std::vector<Disturbance>& disturbances,
                                              const Eigen::VectorXd& sensor_rms,
-                                             double sample_time_s);
+                                             double sample_time_s,
+                                             InputCourse course = InputCourse::held);
 
 }  // namespace chladni::modal

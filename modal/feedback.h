@@ -16,7 +16,7 @@ struct FeedbackLaw {
 };
 
 /// a = `sensors` y, or with a filter a = `points` ẑ, ẑ its estimates with this sample's sensors.
-/// The forces u = law(a) act `delay` samples later, and the filter knows them.
+/// The forces u = law(a) act `delay` samples later, and the filter knows them, but no others.
 struct Feedback {
   FeedbackLaw law;
   std::vector<Eigen::Index> actuators;  ///< known inputs of the model, one for each row of law.c
@@ -28,6 +28,7 @@ struct Feedback {
 
 struct ClosedLoop {
   double spectral_radius = 0.0;  ///< the loop is stable below 1
+  Eigen::VectorXcd pole;         ///< n, eigenvalues of the loop from sample to sample
   Eigen::VectorXd rms;           ///< of z of the model under its disturbances; empty: unstable
 };
 
@@ -35,11 +36,20 @@ struct ClosedLoop {
 /// @throws InvalidInput  sizes do not fit together
 [[nodiscard]] ClosedLoop closed_loop(const DisturbedModel& plant, const Feedback& feedback);
 
-/// Least singular value of I − L(e^{jωT}) over the frequencies, L from the forces of the actuators
-/// around the loop: the distance to the critical point, which any change of the loop below it
-/// leaves stable. Meaningful of a stable loop. Cost: n³ per frequency.
+/// Least singular value of I − L(e^{jωT}) over the frequencies, L from the forces on the model
+/// around the loop to those of the computer, which alone a filter knows: the distance to the
+/// critical point, which any change of the loop below it leaves stable. Meaningful of a stable
+/// loop. Cost: n³ per frequency.
 /// @throws InvalidInput  sizes do not fit together
 [[nodiscard]] double modulus_margin(const DisturbedModel& plant, const Feedback& feedback,
                                     const Eigen::VectorXd& frequency_hz);
+
+/// The lines of a margin with those that its narrow minima need: at the angle of each pole of the
+/// loop whose half bandwidth is less than the gap between its neighbours among the lines, and half
+/// and whole half bandwidths beside it. Only between the first and the last line.
+/// @param frequency_hz  ascending
+/// @param pole          of closed_loop
+[[nodiscard]] Eigen::VectorXd with_resonances(const Eigen::VectorXd& frequency_hz,
+                                              const Eigen::VectorXcd& pole, double sample_time_s);
 
 }  // namespace chladni::modal

@@ -42,11 +42,11 @@ struct KalmanFilter {
 struct Estimate {
   Eigen::MatrixXd points;      ///< N×z
   Eigen::MatrixXd innovation;  ///< N×p
-  Eigen::MatrixXd states;      ///< N×n, from all earlier samples; empty if not asked for
+  Eigen::MatrixXd states;      ///< N×n: x, from all earlier samples; empty if not asked for
 };
 
 /// Steps through recorded samples from rest. Cost: N n (n + p + q).
-/// @param inputs   N×q: the known inputs, held from each sample to the next
+/// @param inputs   N×q: the known inputs at the samples
 /// @param outputs  N×p: the sensors at the samples
 /// @throws InvalidInput  sizes differ, or a sample is not finite
 [[nodiscard]] Estimate estimate(const KalmanFilter& filter, const Eigen::MatrixXd& inputs,

@@ -17,6 +17,11 @@ enum class ExcitedLines {
   odd_with_detection,
 };
 
+/// From one excited line to the next, in lines of the period; silent odd lines count as excited.
+[[nodiscard]] constexpr Eigen::Index step_of(ExcitedLines lines) {
+  return lines == ExcitedLines::all ? 1 : 2;
+}
+
 struct MultisinePlan {
   Eigen::Index period = 0;             ///< samples N
   double sample_time_s = 0.0;          ///< the lines are k / (N T)

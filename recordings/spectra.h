@@ -23,6 +23,10 @@ struct Spectra {
     std::vector<Eigen::MatrixXcd> outputs, inputs, references;  ///< [period], K×channels
   };
   std::vector<Record> records;
+  /// Periods of the recordings, the fewest, whose start was taken off by what lies between the
+  /// lines (estimate/local_transient.h), so that the noise of neighbouring lines is partly one; 0:
+  /// it was not.
+  Eigen::Index cleaned_periods = 0;
 
   [[nodiscard]] double hz(std::size_t k) const {
     return static_cast<double>(line[k]) / (static_cast<double>(period) * sample_time_s);

@@ -43,8 +43,9 @@ Eigen::Index period_for(const modal::ReducedModel& model, const DesignPlan& plan
           fmt::format("experiment design: no flexible mode between {:.6g} and {:.6g} Hz; expected "
                       "another band or more modes",
                       plan.low_hz, plan.high_hz));
-  const double wanted = std::min({plan.lines_per_bandwidth / narrowest, plan.longest_period_s,
-                                  kMostSamples * plan.sample_time_s});
+  const auto step = static_cast<double>(recordings::step_of(plan.lines));
+  const double wanted = std::min({step * plan.lines_per_bandwidth / narrowest,
+                                  plan.longest_period_s, kMostSamples * plan.sample_time_s});
   auto samples = static_cast<Eigen::Index>(std::ceil(wanted / plan.sample_time_s * (1.0 - 1e-12)));
   samples = std::max<Eigen::Index>(16, samples);
   while (samples % 2 != 0 || !has_small_factors(samples)) ++samples;

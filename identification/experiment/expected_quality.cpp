@@ -106,14 +106,13 @@ void add_notes(const QualityInputs& in, ExperimentDesign& design) {
         "longer one, fewer realisations, a shorter longest_period or all actuators at once",
         in.plan.realisations, design.duration_s / 60.0));
   }
-  const double step = 1.0 / design.period_s();
   for (const auto& mode : design.modes) {
-    const double lines = 2.0 * mode.damping_ratio * mode.frequency_hz / step;
+    const double lines = 2.0 * mode.damping_ratio * mode.frequency_hz / design.spacing_hz;
     if (lines >= kFewLines) continue;
-    design.notes.push_back(
-        fmt::format("the mode at {:.6g} Hz has {:.2g} lines in its half-power bandwidth: a period "
-                    "of {:.4g} s resolves it",
-                    mode.frequency_hz, lines, in.plan.lines_per_bandwidth / (lines * step)));
+    design.notes.push_back(fmt::format(
+        "the mode at {:.6g} Hz has {:.2g} lines in its half-power bandwidth: a period "
+        "of {:.4g} s resolves it",
+        mode.frequency_hz, lines, in.plan.lines_per_bandwidth / lines * design.period_s()));
   }
   if (in.model.model.rigid_count > 0) {
     design.notes.push_back(fmt::format(

@@ -317,6 +317,7 @@ ExperimentDesign experiment_design(const DesignModel& stated, const DesignPlan& 
   design.period = period;
   design.sample_time_s = plan.sample_time_s;
   design.line_hz = lines.hz;
+  design.spacing_hz = static_cast<double>(recordings::step_of(plan.lines)) / design.period_s();
   tell(progress, "drawing phases");
   set_signals(stated, plan, lines, *best, seed, design);
   const double of_one = design.period_s() * static_cast<double>(model.model.input_count());

@@ -103,16 +103,22 @@ Eigen::VectorXd sizes_at_channels(const GainMatch& match) {
          std::sqrt(static_cast<double>(match.shapes.rows()));
 }
 
-// Rigid-body rows at places that move along z. Without a body they stay 0 with their size at the
-// channels as deviation.
+// Rigid-body rows at places that move along z: the body's motion in its plane is not known. There,
+// and without a body, they stay 0 with their size at the channels as deviation.
 void add_rigid_rows(const ModalFit& fit, const GainMatch& match, const priors::Places& places,
                     PlacesOfInterest& result) {
   const auto rigid = fit.model.rigid_count;
   if (rigid == 0 || !match.rigid) return;
-  const auto directions = rigid_directions(Eigen::MatrixX3d(places.position), rigid_motion(rigid));
-  const Eigen::MatrixXd own = places.direction.col(2).asDiagonal() * directions;
-  result.shapes.leftCols(rigid) = own * match.rigid->modes;
-  result.deviation.leftCols(rigid) = rigid_deviation(*match.rigid, own);
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < places.count(); ++i) {
+    if (moves_along_z(places.direction.row(i))) rows.push_back(i);
+  }
+  const auto directions =
+      rigid_directions(Eigen::MatrixX3d(places.position(rows, Eigen::all)), rigid_motion(rigid));
+  const Eigen::MatrixXd own = places.direction.col(2)(rows).asDiagonal() * directions;
+  const auto own_modes = Eigen::seqN(0, rigid);
+  result.shapes(rows, own_modes) = own * match.rigid->modes;
+  result.deviation(rows, own_modes) = rigid_deviation(*match.rigid, own);
 }
 
 // The places of the match's rows.
@@ -146,6 +152,11 @@ void require_places(const modal::FrfSet& responses, const priors::Simulation& si
 }
 
 }  // namespace
+
+bool moves_along_z(const Eigen::RowVector3d& direction) {
+  constexpr double kAlong = 0.999;
+  return std::abs(direction.z()) > kAlong;
+}
 
 std::vector<Eigen::Index> measured_rows(const ModalFit& fit, const GainMatch& match) {
   std::vector<Eigen::Index> rows;

@@ -120,6 +120,9 @@ Eigen::MatrixXd rigid_variance(const ModalFit& fit, const GainMatch& match,
   if (r > 0 && match.rigid) {
     Eigen::MatrixXd variance = variance_of_body(*match.rigid, shapes, inputs);
     for (Eigen::Index i = 0; i < variance.rows(); ++i) {
+      if (shapes.row(i).isZero(0.0)) {
+        variance.row(i) = deviation.row(i).cwiseAbs2() * inputs.cwiseAbs2();
+      }
       if (!deviation.row(i).allFinite()) variance.row(i).setConstant(kUnknown);
     }
     return variance;

@@ -16,8 +16,8 @@ namespace chladni::identification {
                                               const Eigen::MatrixXd& directions);
 
 /// Variance of Σ φ(ρ) r over the rigid-body modes, n×q: of s² G. With a body both factors err
-/// together, as D M⁻¹ D_aᵀ; without one those of the places and of the actuators count as
-/// independent. Infinite or NaN: not known.
+/// together, as D M⁻¹ D_aᵀ; without one, and in rows that are 0, which are not those of the body,
+/// those of the places and of the actuators count as independent. Infinite or NaN: not known.
 [[nodiscard]] Eigen::MatrixXd rigid_variance(const ModalFit& fit, const GainMatch& match,
                                              const PlacesOfInterest& places);
 

@@ -112,17 +112,18 @@ std::vector<Fold> folds_of(const recordings::Spectra& all,
   return result;
 }
 
-// The periods of one realisation as stretches that count as realisations.
+// The periods of one realisation as stretches of equal length that count as realisations; periods
+// that fill no stretch are left out at the start.
 recordings::TimeData stretches(const recordings::TimeData& data, Index dropped) {
   auto result = data;
   result.records.clear();
   const Index periods = recordings::fewest_periods(recordings::recordings_of(data));
   const Index count =
       std::min<Index>(kMostFolds, std::max<Index>(0, periods - dropped) / kFewestPeriods);
+  const Index rows = data.period * (count > 0 ? (periods - dropped) / count : 0);
   for (const auto& record : data.records) {
     for (Index s = 0; s < count; ++s) {
-      const Index first = data.period * (dropped + s * (periods - dropped) / count);
-      const Index rows = data.period * (dropped + (s + 1) * (periods - dropped) / count) - first;
+      const Index first = data.period * periods - (count - s) * rows;
       result.records.push_back(
           {record.outputs.middleRows(first, rows), record.inputs.middleRows(first, rows),
            record.references.middleRows(first, rows), record.experiment, static_cast<int>(s)});

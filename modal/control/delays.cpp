@@ -11,9 +11,6 @@
 namespace chladni::modal {
 namespace {
 
-// Fractions of a sample that are only rounding.
-constexpr double kSameSample = 1e-9;
-
 // Delays in samples: the whole ones below, and what is left of the last one [s].
 struct SampledDelay {
   Eigen::VectorXd whole, rest;

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/turn.h"
 #include "dense/riccati.h"
+#include "modal/control/linear_inputs.h"
 
 namespace chladni::modal {
 namespace {
@@ -130,6 +131,24 @@ ControlModel with_noise_inputs(const ControlModel& from, Eigen::Index known,
   return to;
 }
 
+// Samples the model. Past values of known inputs are known: their delays are no states.
+void set_sampled(const ControlModel& continuous, Eigen::Index known, double sample_time_s,
+                 InputCourse course, DisturbedModel& result) {
+  const bool is_linear = course == InputCourse::linear && known > 0;
+  auto sampled =
+      discretised(is_linear ? under_rates(continuous, known) : continuous, sample_time_s);
+  const Eigen::VectorXd late = sampled.input_delay;
+  sampled.input_delay.setZero();
+  result.model = with_delay_states(sampled);
+  if (is_linear) {
+    Eigen::VectorXd fraction =
+        continuous.input_delay.head(known) / sample_time_s - late.head(known);
+    for (double& part : fraction) part = part > kSameSample ? part : 0.0;
+    result.ahead = take_inputs_of_rates(continuous.space.a.rows(), fraction, result.model);
+  }
+  result.model.input_delay = late;
+}
+
 }  // namespace
 
 Eigen::MatrixXd DisturbedModel::noise_inputs() const {
@@ -142,7 +161,8 @@ Eigen::MatrixXd DisturbedModel::noise_through() const {
 
 DisturbedModel disturbed_model(const ControlModel& continuous, Eigen::Index known,
                                const std::vector<Disturbance>& disturbances,
-                               const Eigen::VectorXd& sensor_rms, double sample_time_s) {
+                               const Eigen::VectorXd& sensor_rms, double sample_time_s,
+                               InputCourse course) {
   check(continuous);
   const auto inputs = continuous.space.b.cols();
   require(known >= 0 && known <= inputs && sensor_rms.size() <= continuous.space.c.rows(),
@@ -164,12 +184,8 @@ DisturbedModel disturbed_model(const ControlModel& continuous, Eigen::Index know
     shapes.push_back(shape_of(disturbances[j], sample_time_s));
     result.noise_rms(static_cast<Eigen::Index>(j)) = shapes.back().noise_rms;
   }
-  auto sampled =
-      discretised(with_noise_inputs(continuous, known, disturbances, shapes), sample_time_s);
-  const Eigen::VectorXd late = sampled.input_delay;  // past values of u are known, not estimated
-  sampled.input_delay.setZero();
-  result.model = with_delay_states(sampled);
-  result.model.input_delay = late;
+  set_sampled(with_noise_inputs(continuous, known, disturbances, shapes), known, sample_time_s,
+              course, result);
   result.known = known;
   result.sensors = sensor_rms.size();
   result.sensor_rms = sensor_rms;

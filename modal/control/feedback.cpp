@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <vector>
 
 #include "base/error.h"
 #include "base/turn.h"
@@ -81,13 +82,13 @@ class Whole {
   void connect() {
     const auto& space = plant_.model.space;
     const auto p = plant_.sensors;
-    // What acts: the oldest force of the computer, and one from outside.
-    auto acting = state(late_at_ + q_ * (feedback_.delay - 1), q_);
-    acting.middleCols(n_, q_).setIdentity();
-    Eigen::MatrixXd u = zeros(plant_.known);
-    for (Eigen::Index j = 0; j < q_; ++j) {
-      u.row(feedback_.actuators[static_cast<std::size_t>(j)]) += acting.row(j);
-    }
+    // What acts: the oldest force of the computer, which the filter knows, and one from outside,
+    // which it does not: with a filter that knew it, the loop would have the margins of a state
+    // that is measured (Doyle, IEEE Trans. Automatic Control 23 (1978) 756).
+    const Eigen::MatrixXd u_known = acting(state(late_at_ + q_ * (feedback_.delay - 1), q_));
+    auto outside = zeros(q_);
+    outside.middleCols(n_, q_).setIdentity();
+    const Eigen::MatrixXd u = u_known + acting(outside);
     Eigen::MatrixXd w = zeros(plant_.noise_rms.size());
     w.middleCols(n_ + q_, w.rows()) = plant_.noise_rms.asDiagonal();
     Eigen::MatrixXd inputs(u.rows() + w.rows(), u.cols());
@@ -99,7 +100,7 @@ class Whole {
     wanted_ = outputs.bottomRows(plant_.wanted_count());
     next_ = zeros(n_);
     next_.topRows(x.rows()) = space.a * x + space.b * inputs;
-    const auto axes = seen(u, y);
+    const auto axes = seen(u_known, y);
     const auto& law = feedback_.law;
     const auto own = state(law_at_, law.a.rows());
     next_.middleRows(law_at_, own.rows()) = law.a * own + law.b * axes;
@@ -109,7 +110,16 @@ class Whole {
     force_ = state(late_at_ + kept, q_);
   }
 
-  // What the law sees; with a filter also its next state.
+  // Forces of the actuators among the known inputs of the plant.
+  [[nodiscard]] Eigen::MatrixXd acting(const Eigen::MatrixXd& forces) const {
+    Eigen::MatrixXd u = zeros(plant_.known);
+    for (Eigen::Index j = 0; j < q_; ++j) {
+      u.row(feedback_.actuators[static_cast<std::size_t>(j)]) += forces.row(j);
+    }
+    return u;
+  }
+
+  // What the law sees; with a filter, which knows the forces u, also its next state.
   Eigen::MatrixXd seen(const Eigen::MatrixXd& u, const Eigen::MatrixXd& y) {
     if (!feedback_.filter) return feedback_.sensors * y;
     const auto x = state(observer_at_, observer_.a.rows());
@@ -134,7 +144,8 @@ ClosedLoop closed_loop(const DisturbedModel& plant, const Feedback& feedback) {
   const auto n = whole.states();
   const Eigen::MatrixXd a = whole.next().leftCols(n);
   ClosedLoop result;
-  result.spectral_radius = a.eigenvalues().cwiseAbs().maxCoeff();
+  result.pole = a.eigenvalues();
+  result.spectral_radius = result.pole.cwiseAbs().maxCoeff();
   if (!(result.spectral_radius < 1.0)) return result;
   const Eigen::MatrixXd moved = whole.next().rightCols(whole.noises());
   const Eigen::MatrixXd p = dense::stationary_covariance(a, moved * moved.transpose());
@@ -165,6 +176,27 @@ double modulus_margin(const DisturbedModel& plant, const Feedback& feedback,
     largest = std::max(largest, Eigen::JacobiSVD<Eigen::MatrixXcd>(response).singularValues()(0));
   }
   return largest > 0.0 ? 1.0 / largest : 0.0;
+}
+
+Eigen::VectorXd with_resonances(const Eigen::VectorXd& frequency_hz, const Eigen::VectorXcd& pole,
+                                double sample_time_s) {
+  std::vector<double> lines(frequency_hz.begin(), frequency_hz.end());
+  if (lines.empty()) return frequency_hz;
+  const double first = frequency_hz(0);
+  const double last = frequency_hz.tail(1)(0);
+  for (const auto& one : pole) {
+    const double hz = std::arg(one) / (kTwoPi * sample_time_s);
+    if (!(hz >= first && hz < last)) continue;
+    const double half = -std::log(std::abs(one)) / (kTwoPi * sample_time_s);
+    const auto above = std::upper_bound(frequency_hz.begin(), frequency_hz.end(), hz);
+    if (half >= *above - *(above - 1)) continue;
+    for (const double beside : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
+      const double line = hz + beside * half;
+      if (line > first && line < last) lines.push_back(line);
+    }
+  }
+  std::ranges::sort(lines);
+  return Eigen::Map<const Eigen::VectorXd>(lines.data(), std::ssize(lines));
 }
 
 }  // namespace chladni::modal

@@ -176,6 +176,9 @@ Estimate estimate(const KalmanFilter& filter, const Eigen::MatrixXd& inputs,
     result.innovation.row(k) = e.transpose();
     result.points.row(k) = (expected.tail(z) + filter.point_gain * e).transpose();
     if (with_states) result.states.row(k) = x.transpose();
+    if (with_states && system.ahead.size() > 0) {
+      result.states.row(k) += (system.ahead * u).transpose();
+    }
     x = (space.a * x + b * u + filter.gain * e).eval();
   }
   return result;

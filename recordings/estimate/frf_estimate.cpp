@@ -24,6 +24,18 @@ Eigen::Index smoothing(const FrfEstimateOptions& options, Eigen::Index freedom) 
   return options.smooth_lines ? *options.smooth_lines : lines_for_freedom(freedom);
 }
 
+// Lines with noise of their own over which a variance is averaged: those in the middle of the band
+// stand for all. What differs between realisations differs on each line by itself.
+double lines_of_variance(const Spectra& spectra, Eigen::Index half, Eigen::Index realisations) {
+  if (spectra.cleaned_periods == 0 || realisations > 1) return static_cast<double>(2 * half + 1);
+  const auto middle = spectra.line_count() / 2;
+  const auto first = std::max<Eigen::Index>(0, middle - half);
+  const auto last = std::min(spectra.line_count() - 1, middle + half);
+  const auto& line = spectra.line;
+  return lines_apart({line.begin() + first, line.begin() + last + 1}, spectra.cleaned_periods,
+                     spectra.period);
+}
+
 }  // namespace
 
 Eigen::Index lines_for_freedom(Eigen::Index freedom) {
@@ -73,8 +85,9 @@ void fill(const Spectra& spectra, const TransferVariances& found, const FrfEstim
   const auto half = smoothing(options, found.total_freedom);
   set.variance = smoothed(found.total, half);
   set.noise_variance = smoothed(found.noise, smoothing(options, found.noise_freedom));
-  set.averages =
-      found.total.empty() ? 0.0 : static_cast<double>(found.total_freedom * (2 * half + 1));
+  set.averages = found.total.empty() ? 0.0
+                                     : static_cast<double>(found.total_freedom) *
+                                           lines_of_variance(spectra, half, estimate.realisations);
   if (half > 0) {
     estimate.notes.push_back("variances are averaged over " + fmt::to_string(2 * half + 1) +
                              " lines");

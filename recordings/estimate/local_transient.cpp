@@ -219,6 +219,27 @@ Spectra::Record cleaned(const Recordings& recordings, std::size_t i, const Windo
 
 Index periods_without_start() { return kFreedom + 1; }
 
+double lines_apart(const std::vector<Index>& line, Index periods, Index period) {
+  std::vector<Window> windows;
+  for (const auto k : line) {
+    windows.push_back(window_at(k * periods, periods, periods * period / 2));
+  }
+  double shared = 0.0;
+  for (const auto& one : windows) {
+    for (const auto& other : windows) {
+      Eigen::MatrixXd common = Eigen::MatrixXd::Zero(kFreedom, kFreedom);
+      for (Index i = 0; i < kNeighbours; ++i) {
+        const auto at = std::ranges::find(other.lines, one.lines[static_cast<std::size_t>(i)]);
+        if (at == other.lines.end()) continue;
+        common += one.rest.col(i) * other.rest.col(at - other.lines.begin()).transpose();
+      }
+      shared += common.squaredNorm();
+    }
+  }
+  const auto count = static_cast<double>(line.size());
+  return static_cast<double>(kFreedom) * count * count / shared;
+}
+
 RecordWithoutStart record_without_start(const Recordings& recordings, std::vector<Index> line) {
   return [&recordings, line = std::move(line), windows = std::optional<Windows>()](
              std::size_t i, const std::vector<Side>& sides) mutable {
@@ -236,6 +257,7 @@ Spectra without_start(const TimeData& data, double low_hz, double high_hz) {
   check_periods(data);
   auto result = lines_between(data, low_hz, high_hz);
   const auto recordings = recordings_of(data);
+  result.cleaned_periods = fewest_periods(recordings);
   const auto record = record_without_start(recordings, result.line);
   for (std::size_t i = 0; i < data.records.size(); ++i) {
     result.records.push_back(record(i, {Side::outputs, Side::inputs, Side::references}));

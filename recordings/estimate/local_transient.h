@@ -30,6 +30,13 @@ namespace chladni::recordings {
 /// The number of "periods" of each record.
 [[nodiscard]] Eigen::Index periods_without_start();
 
+/// So many lines with noise of their own are these worth, for the degrees of freedom of the mean of
+/// their variances: neighbours take some of theirs from the same lines between. By the mean square
+/// of that mean (Satterthwaite, Biometrics Bulletin 2 (1946) 110).
+/// @param line  of the transform of one period, one or more
+[[nodiscard]] double lines_apart(const std::vector<Eigen::Index>& line, Eigen::Index periods,
+                                 Eigen::Index period);
+
 struct Recordings;  // recordings/recordings.h
 
 /// The same of one record: its spectra on the wanted sides. The other sides have no columns.

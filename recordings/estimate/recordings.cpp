@@ -75,6 +75,7 @@ struct Cleaned {
 SpectraSource without_start(const Recordings& recordings, const std::vector<Index>& line,
                             const Sides& sides) {
   SpectraSource source{head_of(recordings, line, sides), {}, {}};
+  source.head.cleaned_periods = fewest_periods(recordings);
   const auto periods = static_cast<std::size_t>(periods_without_start());
   for (const auto& place : recordings.records) {
     source.records.push_back({place.experiment, place.realisation, periods});

@@ -33,7 +33,8 @@ Spectra without_records(const Spectra& spectra) {
           .sample_time_s = spectra.sample_time_s,
           .period = spectra.period,
           .line = spectra.line,
-          .records = {}};
+          .records = {},
+          .cleaned_periods = spectra.cleaned_periods};
 }
 
 bool same_names(const std::vector<modal::MeasuredChannel>& a,

@@ -102,6 +102,8 @@ Eigen::MatrixXd open_loop(const VirtualRig& rig, const Eigen::MatrixXd& force) {
   return outputs;
 }
 
+constexpr double kSamePart = 1e-9;  // fractions of a part of a sample that are only rounding
+
 // Simulates the structure in steps: whole samples, or parts of a sample if there is a spring.
 class Stepped {
  public:
@@ -109,11 +111,13 @@ class Stepped {
       : rig_(rig),
         delay_(sampled_delay(rig.delay_s, rig.sample_time_s)),
         parts_(rig.spring ? rig.substeps : 1),
-        late_parts_(static_cast<int>(std::lround(delay_.fraction * parts_))),
+        late_parts_(static_cast<int>(std::floor(delay_.fraction * parts_ + kSamePart))),
         step_(rig.sample_time_s / parts_),
         blocks_(sampled(rig.plant, step_, rig.spring ? 0.0 : delay_.fraction)),
         line_(delay_, rig.plant.input_count()) {
     for (const auto& block : blocks_) states_.emplace_back(Eigen::VectorXd::Zero(block.a.rows()));
+    const double rest = delay_.fraction * parts_ - late_parts_;
+    if (rig.spring && rest > kSamePart) straddling_ = sampled(rig.plant, step_, rest);
   }
 
   /// Outputs at the sample of the newest force.
@@ -129,16 +133,19 @@ class Stepped {
   /// Advances by one sample; the command of the sample must be in the line.
   void advance() {
     if (!rig_.spring) {
-      const Eigen::VectorXd now = line_.acting(0);
-      const Eigen::VectorXd late = line_.acting(1);
-      for (std::size_t i = 0; i < blocks_.size(); ++i) {
-        states_[i] = blocks_[i].a * states_[i] + blocks_[i].b * now + blocks_[i].b_late * late;
-      }
+      step(blocks_, line_.acting(0), line_.acting(1));
       return;
     }
     for (int part = 0; part < parts_; ++part) {
+      const double spring = spring_force();
       Eigen::VectorXd force = line_.acting(part < late_parts_ ? 1 : 0);
-      force(rig_.spring->input) += spring_force();
+      force(rig_.spring->input) += spring;
+      if (part == late_parts_ && !straddling_.empty()) {
+        Eigen::VectorXd late = line_.acting(1);
+        late(rig_.spring->input) += spring;
+        step(straddling_, force, late);
+        continue;
+      }
       for (std::size_t i = 0; i < blocks_.size(); ++i) {
         states_[i] = blocks_[i].a * states_[i] + blocks_[i].b * force;
       }
@@ -146,6 +153,14 @@ class Stepped {
   }
 
  private:
+  // `late` acts first, then `now`.
+  void step(const std::vector<SampledBlock>& blocks, const Eigen::VectorXd& now,
+            const Eigen::VectorXd& late) {
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      states_[i] = blocks[i].a * states_[i] + blocks[i].b * now + blocks[i].b_late * late;
+    }
+  }
+
   // Force at the middle of the step, predicted with the velocity: second order.
   [[nodiscard]] double spring_force() const {
     double middle = 0.0;
@@ -162,6 +177,7 @@ class Stepped {
   int parts_, late_parts_;
   double step_;
   std::vector<SampledBlock> blocks_;
+  std::vector<SampledBlock> straddling_;  // of the part in which the delay ends; empty: between two
   std::vector<Eigen::VectorXd> states_;
   Line line_;
 };

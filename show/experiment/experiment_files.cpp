@@ -61,7 +61,7 @@ io::Json forces_json(const study::Study& study, const ExperimentDesign& design) 
                                    {"rms_n", force.rms_n},
                                    {"peak_n", force.peak_n},
                                    {"stroke_m", design.stroke_m(p + static_cast<Eigen::Index>(j))},
-                                   {"limited_by", force.limited_by_stroke ? "stroke" : "force"}});
+                                   {"limited_by", limit_word(study, force)}});
   }
   return array;
 }
@@ -88,7 +88,7 @@ void add_multisine(const study::Study& study, const ExperimentDesign& design,
                            {"inputs", study.experiment->inputs},
                            {"phases", study.design->phases},
                            {"line_count", static_cast<long long>(design.line_hz.size())},
-                           {"resolution_hz", 1.0 / design.period_s()},
+                           {"resolution_hz", design.spacing_hz},
                            {"crest_factor", design.crest_factor},
                            {"low_crest_factor", design.low_crest_factor},
                            {"even_spectrum_needs_s", design.flat_seconds},

@@ -48,7 +48,7 @@ std::string multisine_text(const study::Study& study,
       design.settle == 1 ? "one period" : fmt::format("{} periods", design.settle),
       design.period_s(), static_cast<double>(design.ramp) * design.sample_time_s, design.periods,
       static_cast<double>(design.ramp) * design.sample_time_s, design.period, design.line_hz.size(),
-      design.line_hz(0), design.line_hz.tail(1)(0), 1.0 / design.period_s(), design.crest_factor);
+      design.line_hz(0), design.line_hz.tail(1)(0), design.spacing_hz, design.crest_factor);
   if (design.flat_seconds > 1.05 * design.shaped_seconds && design.shaped_seconds > 0.0) {
     text += fmt::format(
         "shaped by the simulated modes: an even spectrum needs {:.3g} times the "
@@ -82,9 +82,7 @@ std::string forces_table(const study::Study& study,
     rms(j) = force.rms_n;
     peak(j) = force.peak_n;
     stroke(j) = design.stroke_m(p + j);
-    const bool by_voltage =
-        study.design->voltage && study.design->force.value_or(1e300) > study.design->force_limit();
-    limits.emplace_back(force.limited_by_stroke ? "stroke" : by_voltage ? "voltage" : "force");
+    limits.push_back(limit_word(study, force));
   }
   io::ResultTable table{"Forces", {}};
   table.columns = {io::word_column("actuator", names, 12),
@@ -176,6 +174,13 @@ std::string response_words(const study::Study& study, const steps::DesignedExper
   return designed.multisine
              ? sensor + "/" + study.actuators[static_cast<std::size_t>(response.input)].name
              : fmt::format("{}/point {}", sensor, response.input + 1);
+}
+
+std::string limit_word(const study::Study& study, const identification::Force& force) {
+  if (force.limited_by_stroke) return "stroke";
+  const auto& limits = *study.design;
+  const bool by_voltage = limits.voltage && limits.force.value_or(1e300) > limits.force_limit();
+  return by_voltage ? "voltage" : "force";
 }
 
 std::string experiment_verdict(const study::Study& study,

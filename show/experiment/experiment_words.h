@@ -13,6 +13,9 @@ namespace chladni::show {
                                          const steps::DesignedExperiment& designed,
                                          const identification::ExpectedCoherence& response);
 
+/// What bounds the force of an actuator: "stroke", "voltage" or "force".
+[[nodiscard]] std::string limit_word(const study::Study& study, const identification::Force& force);
+
 /// What must be known beside the tables.
 [[nodiscard]] std::vector<std::string> notes_of(const steps::DesignedExperiment& designed);
 

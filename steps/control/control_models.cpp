@@ -52,15 +52,9 @@ void reduce(const study::StateSpacePlan& plan, ControlModels& models) {
   model = small.model;
 }
 
-// The highest frequency of a pole [Hz].
-double highest_hz(const modal::ControlModel& model) {
-  const Eigen::VectorXcd poles = model.space.a.eigenvalues();
-  return poles.size() > 0 ? poles.cwiseAbs().maxCoeff() / (2.0 * std::numbers::pi) : 0.0;
-}
-
 void sample(double rate_hz, ControlModels& models) {
   models.discrete = modal::discretised(models.continuous, 1.0 / rate_hz);
-  const double highest = highest_hz(models.continuous);
+  const double highest = modal::poles(models.continuous).highest_hz();
   if (highest < 0.5 * rate_hz) return;
   models.notes.push_back(
       fmt::format("a mode at {:.6g} Hz lies above half of the sample rate: what the discrete model "

@@ -147,6 +147,28 @@ void set_excitation(const study::ExperimentPlan& plan, Bench& bench) {
   bench.plan.warm_up = plan.warm_up;
 }
 
+// The excitation of each realisation.
+std::vector<recordings::TimeData> parts_of(const recordings::TimeData& excitation) {
+  std::vector<recordings::TimeData> parts;
+  for (const auto& record : excitation.records) {
+    if (parts.empty() || parts.back().records.back().realisation != record.realisation) {
+      parts.push_back(excitation);
+      parts.back().records.clear();
+    }
+    parts.back().records.push_back(record);
+  }
+  return parts;
+}
+
+// The first realisation of what is played: the signals of the file, or drawn ones.
+recordings::TimeData first_realisation(const recordings::VirtualRig& rig, const Bench& bench,
+                                       Draw& draw) {
+  const auto sets = parts_of(bench.excitation);
+  return sets.empty()
+             ? recordings::realisation(rig, bench.plan, 0, draw)
+             : recordings::played(rig, sets.front(), bench.plan.periods, bench.plan.warm_up, draw);
+}
+
 // Noise: the root mean square of each sensor in a noise-free realisation, times the ratio.
 void set_noise(const study::Study& study, unsigned seed, Bench& bench) {
   const auto& plan = *study.experiment;
@@ -160,7 +182,7 @@ void set_noise(const study::Study& study, unsigned seed, Bench& bench) {
     auto quiet = rig;
     quiet.process_noise.resize(0);
     Draw draw(seed);
-    const auto data = recordings::realisation(quiet, bench.plan, 0, draw);
+    const auto data = first_realisation(quiet, bench, draw);
     Eigen::VectorXd power = Eigen::VectorXd::Zero(p);
     double samples = 0.0;
     for (const auto& record : data.records) {
@@ -170,19 +192,6 @@ void set_noise(const study::Study& study, unsigned seed, Bench& bench) {
     rig.sensor_noise = plan.noise_ratio * (power / samples).cwiseSqrt();
   }
   if (plan.quantisation > 0.0) rig.quantisation = Eigen::VectorXd::Constant(p, plan.quantisation);
-}
-
-// The excitation of each realisation.
-std::vector<recordings::TimeData> parts_of(const recordings::TimeData& excitation) {
-  std::vector<recordings::TimeData> parts;
-  for (const auto& record : excitation.records) {
-    if (parts.empty() || parts.back().records.back().realisation != record.realisation) {
-      parts.push_back(excitation);
-      parts.back().records.clear();
-    }
-    parts.back().records.push_back(record);
-  }
-  return parts;
 }
 
 // Signals of a file instead of drawn ones.
@@ -203,6 +212,26 @@ void set_excitation_of_file(const study::Study& study, Bench& bench) {
     input.unit = "N";
   }
   bench.plan.multisine.period = bench.excitation.records.front().inputs.rows();
+}
+
+// A spring follows the displacement at its place, and pushes back along it.
+void set_spring(const study::Study& study, Bench& bench) {
+  const auto& plan = *study.experiment;
+  if (plan.cubic_stiffness == 0.0) return;
+  const recordings::CubicSpring spring{.stiffness = plan.cubic_stiffness,
+                                       .output = place_of(study.sensors, plan.cubic_sensor),
+                                       .input = place_of(study.actuators, plan.cubic_actuator)};
+  const auto& sensor = study.sensors[static_cast<std::size_t>(spring.output)];
+  const auto& actuator = study.actuators[static_cast<std::size_t>(spring.input)];
+  require(kind_of(sensor) == modal::FrfKind::receptance,
+          fmt::format("experiment.cubic_spring: its force follows a displacement, and \"{}\" "
+                      "measures {}; expected a sensor of displacement",
+                      sensor.name, sensor.quantity));
+  require(sensor.direction.dot(actuator.direction) > 1.0 - 1e-6,
+          fmt::format("experiment.cubic_spring: \"{}\" and \"{}\" do not point in one direction; "
+                      "expected a pair that does",
+                      sensor.name, actuator.name));
+  bench.rig.spring = spring;
 }
 
 // Advises the warm-up that leaves less than a tenth of a deviation.
@@ -234,12 +263,8 @@ Bench bench_of(const study::Study& study, stage::Work& work) {
   rig.inputs = channels_of(study.actuators, false);
   set_excitation(plan, bench);
   set_excitation_of_file(study, bench);
+  set_spring(study, bench);
   set_structure(study, work, bench);
-  if (plan.cubic_stiffness != 0.0) {
-    rig.spring = recordings::CubicSpring{.stiffness = plan.cubic_stiffness,
-                                         .output = place_of(study.sensors, plan.cubic_sensor),
-                                         .input = place_of(study.actuators, plan.cubic_actuator)};
-  }
   recordings::check(rig);
   set_noise(study, work.seed(), bench);
   return bench;

@@ -1,5 +1,6 @@
 // From identified responses of a study to shapes at its channels, and from a field to responses.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -161,6 +162,21 @@ const IdentifiedModel& identified_of(const Interpolated& result) {
   return *result.measured.identified;
 }
 
+std::string left_out_across_z(const Interpolated& result, const std::vector<std::string>& names,
+                              const Points& directions) {
+  const auto& model = identified_of(result);
+  std::vector<std::string> across;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    if (!identification::moves_along_z(directions.row(row))) across.push_back(names[i]);
+  }
+  if (across.empty() || model.found.fit.model.rigid_count == 0 || !model.match.rigid) return "";
+  return fmt::format(
+      "the term in 1/s^2 of the modes at 0 Hz is not in the predicted responses at {}, their band "
+      "has its size at the channels: the motion of the body as a whole is known along z alone",
+      fmt::join(across, ", "));
+}
+
 std::vector<std::string> left_out_of_predictions(const Interpolated& result) {
   const auto& model = identified_of(result);
   const auto& fit = model.found.fit.model;
@@ -180,6 +196,13 @@ std::vector<std::string> left_out_of_predictions(const Interpolated& result) {
         "whose channels all act along z and tell them apart",
         fit.rigid_count));
   }
+  const auto add_across = [&](const std::vector<std::string>& names, const priors::Places& places) {
+    const auto note = left_out_across_z(result, names, places.direction);
+    if (!note.empty()) notes.push_back(note);
+  };
+  add_across(result.measured.hidden_channels, result.measured.hidden.places);
+  add_across(result.unmeasured, result.unmeasured_places);
+  add_across(result.points, result.point_places);
   if (model.found.fit.residual_std.size() > 0 && fit.residual.squaredNorm() > 0.0 &&
       identification::residual_factor(model.match, field_simulation(result)) == 0.0) {
     notes.emplace_back(

@@ -19,21 +19,7 @@ namespace {
 
 using recordings::TimeData;
 
-// A fit needs the other half of the memory that a user states.
-io::TimeOptions time_options(const study::Study& study, const stage::Work& work) {
-  const auto& plan = *study.measurement;
-  io::TimeOptions options;
-  if (const auto stated = work.choices().memory_limit_bytes; stated > 0) {
-    options.limit_bytes = std::min(options.limit_bytes, stated / 2);
-  }
-  options.period = plan.recording.period;
-  if (plan.recording.sample_rate_hz > 0.0) {
-    options.sample_time_s = 1.0 / plan.recording.sample_rate_hz;
-  }
-  return options;
-}
-
-// The same with what a study says of its channels.
+// With what a study says of its channels.
 io::TimeOptions with_channels(const study::Study& study, io::TimeOptions options) {
   options.sensor_names = study::names_of(study.sensors);
   options.actuator_names = study::names_of(study.actuators);
@@ -186,6 +172,20 @@ std::string verdict_of(const RecordedFrfs& result) {
 
 }  // namespace
 
+io::TimeOptions recording_options(const study::Study& study, const std::filesystem::path& path,
+                                  const stage::Work& work) {
+  const auto& plan = *study.measurement;
+  io::TimeOptions options;
+  if (const auto stated = work.choices().memory_limit_bytes; stated > 0) {
+    options.limit_bytes = std::min(options.limit_bytes, stated / 2);
+  }
+  if (path == plan.time) options.period = plan.recording.period;
+  if (plan.recording.sample_rate_hz > 0.0) {
+    options.sample_time_s = 1.0 / plan.recording.sample_rate_hz;
+  }
+  return options;
+}
+
 io::TimeFile read_recordings(const study::Study& study, const std::filesystem::path& path,
                              io::TimeOptions options, stage::Work& work) {
   auto file = io::read_time(path, with_channels(study, std::move(options)));
@@ -252,7 +252,7 @@ RecordedFrfs recorded_in_pieces(const study::Study& study, const io::TimeOptions
 
 RecordedFrfs recorded_frfs(const study::Study& study, stage::Work& work, bool with_folds) {
   const auto& plan = *study.measurement;
-  const auto options = time_options(study, work);
+  const auto options = recording_options(study, plan.time, work);
   if (io::is_read_in_pieces(plan.time, options)) {
     return recorded_in_pieces(study, options, with_folds, work);
   }

@@ -20,6 +20,12 @@ struct RecordedFrfs {
   identification::Folds folds;  ///< of periodic recordings, where they are wanted
 };
 
+/// What the study says of a file of recordings, and the memory that it may take: a fit needs the
+/// other half of what a user states. The period is that of `time` alone.
+[[nodiscard]] io::TimeOptions recording_options(const study::Study& study,
+                                                const std::filesystem::path& path,
+                                                const stage::Work& work);
+
 /// Recordings of a file on the channels of a study, whose names and unit they take where the file
 /// has none; notes of the file are told.
 /// @param options  what else is known of the file

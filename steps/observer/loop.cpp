@@ -18,7 +18,7 @@
 namespace chladni::steps {
 namespace {
 
-constexpr Eigen::Index kLines = 60;  // of the margin
+constexpr Eigen::Index kLines = 60;  // of the margin, beside those at resonances
 
 Eigen::VectorXd margin_lines(const Observer& observer) {
   return Eigen::VectorXd::LinSpaced(kLines, std::log(0.5), std::log(0.5 / observer.sample_time_s))
@@ -94,10 +94,13 @@ struct LoopModels {
   modal::Feedback sensors, estimate;
 };
 
+// The plant under the noise that the observer counts on; its sensors have it already.
 modal::DisturbedModel disturbed(const Observer& observer, const modal::ControlModel& plant) {
   const auto& system = observer.filter.system;
-  return modal::disturbed_model(plant, system.known, observer.disturbances, system.sensor_rms,
-                                observer.sample_time_s);
+  auto result = modal::disturbed_model(plant, system.known, observer.disturbances,
+                                       system.sensor_rms, observer.sample_time_s);
+  result.noise_rms *= observer.noise.disturbances;
+  return result;
 }
 
 modal::ControlModel plant_with_axes(const Observer& observer, const identification::ModalFit& fit,
@@ -253,13 +256,21 @@ std::vector<double> listed(const Eigen::VectorXd& rms, Eigen::Index count) {
   return {rms.data(), rms.data() + count};
 }
 
+double margin_of(const modal::DisturbedModel& plant, const modal::Feedback& feedback,
+                 const modal::ClosedLoop& loop, const Eigen::VectorXd& lines) {
+  return modal::modulus_margin(
+      plant, feedback, modal::with_resonances(lines, loop.pole, plant.model.space.sample_time_s));
+}
+
 LoopCase nominal_case(const LoopModels& models, const modal::Feedback& feedback,
                       const Eigen::VectorXd& lines, Eigen::Index points) {
   const auto loop = modal::closed_loop(models.nominal, feedback);
   LoopCase result;
   result.stable = loop.spectral_radius < 1.0;
   result.rms = listed(loop.rms, points);
-  if (result.stable) result.modulus_margin = modal::modulus_margin(models.nominal, feedback, lines);
+  if (result.stable) {
+    result.modulus_margin = margin_of(models.nominal, feedback, loop, lines);
+  }
   return result;
 }
 
@@ -276,7 +287,7 @@ class Draws {
       return;
     }
     ++stable_;
-    worst_margin_ = std::min(worst_margin_, modal::modulus_margin(plant, feedback, lines));
+    worst_margin_ = std::min(worst_margin_, margin_of(plant, feedback, loop, lines));
     for (std::size_t i = 0; i < rms_.size(); ++i) {
       rms_[i].push_back(loop.rms(static_cast<Eigen::Index>(i)));
     }

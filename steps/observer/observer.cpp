@@ -45,6 +45,10 @@ void append(PlacesOfInterest& all, const PlacesOfInterest& more) {
   append_rows(all.residual_deviation, more.residual_deviation);
 }
 
+void add_note(const std::string& note, Observer& result) {
+  if (!note.empty()) result.notes.push_back(note);
+}
+
 // The points of the study, then the held-out sensors of displacement.
 void add_points(const study::Study& study, const stage::Solution& solution,
                 const mesh::SiteFinder& finder, const Interpolated& shapes, Observer& result) {
@@ -57,6 +61,7 @@ void add_points(const study::Study& study, const stage::Solution& solution,
     result.places.points.push_back(point.name);
   }
   if (!sites.empty()) result.places.at_points = interest_at(shapes, solution, sites, directions);
+  add_note(left_out_across_z(shapes, result.places.points, directions), result);
   const auto& hidden = shapes.measured.hidden_channels;
   std::vector<Eigen::Index> rows;
   for (std::size_t i = 0; i < hidden.size(); ++i) {
@@ -130,6 +135,7 @@ void add_disturbances(const study::Study& study, const stage::Solution& solution
       directions.row(static_cast<Eigen::Index>(i)) = along[i];
     }
     result.places.at_forces = interest_at(shapes, solution, sites, directions);
+    add_note(left_out_across_z(shapes, result.places.forces, directions), result);
   }
   if (on_floor.empty()) return;
   result.places.floor = floor_of(study, model);
@@ -179,6 +185,12 @@ Eigen::MatrixXd modal_coordinates(const IdentifiedModel& model) {
       .space.c.bottomRows(m);
 }
 
+// Forces that were measured go on between their samples; commands are held.
+modal::InputCourse course_of(const study::Study& study) {
+  const bool measured = study.measurement && study.measurement->recording.inputs == "forces";
+  return measured ? modal::InputCourse::linear : modal::InputCourse::held;
+}
+
 }  // namespace
 
 Observer observer(const study::Study& study, const stage::Solution& solution,
@@ -196,13 +208,13 @@ Observer observer(const study::Study& study, const stage::Solution& solution,
   result.coordinates = modal_coordinates(model);
   const auto sensors = std::ssize(model.seen.outputs);
   result.filter = work.timed("observer", [&] {
-    return modal::kalman_filter(
-        modal::disturbed_model(result.plant, std::ssize(model.seen.inputs), result.disturbances,
-                               sensor_noise(study, sensors, recorded), result.sample_time_s));
+    return modal::kalman_filter(modal::disturbed_model(
+        result.plant, std::ssize(model.seen.inputs), result.disturbances,
+        sensor_noise(study, sensors, recorded), result.sample_time_s, course_of(study)));
   });
   result.shapes = std::move(shapes);
   set_deviations(result);
-  result.notes = left_out_of_predictions(*result.shapes);
+  for (const auto& note : left_out_of_predictions(*result.shapes)) add_note(note, result);
   if (model.found.fit.complex) {
     result.notes.emplace_back(
         "shapes are complex: the band has the deviations of their real parts alone");

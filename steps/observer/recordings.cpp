@@ -83,7 +83,7 @@ Recordings recordings(const study::Study& study, const IdentifiedModel& model, s
   require(!stage::has_paths(study), study.file.string() +
                                         ": recordings pass through no gain, delay or low_pass of a "
                                         "channel; expected channels without them");
-  const auto file = read_recordings(study, path, {}, work);
+  const auto file = read_recordings(study, path, recording_options(study, path, work), work);
   Recordings result;
   result.file = path.string();
   result.sample_time_s = file.data.sample_time_s;

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "identification/response_field.h"
 #include "identification/spatio_temporal.h"
 #include "simulators/portable_random.h"
 
@@ -120,6 +121,37 @@ TEST(RigidBand, WithoutABodyHasBothFactors) {
   const Eigen::RowVectorXd wanted = 0.02 * 0.02 * match.input_shapes.row(0).cwiseAbs2();
   for (Eigen::Index i = 0; i < 3; ++i) {
     EXPECT_LT((more.row(i) - wanted).norm(), 1e-9 * wanted.norm());
+  }
+}
+
+// The channels tell of the motion along z alone. Along other directions it was 0 +- 0.
+TEST(RigidBand, DoesNotKnowMotionThatIsNotAlongZ) {
+  const FreeBar bar;
+  simulators::Dice dice(14);
+  const auto fit = rigid_fit(bar, 0.01, dice);
+  const ChannelGains gains{matched_by_geometry(bar, fit), {}, false};
+  const auto none = [](Eigen::Index rows) {
+    return Eigen::MatrixXd(Eigen::MatrixXd::Zero(rows, 0));
+  };
+  const FieldSimulation simulation{
+      {Eigen::VectorXd(0), none(4), none(3)}, none(std::ssize(gains.match.rows)), 100.0};
+  priors::Places places{Points::Zero(3, 3), Points::Zero(3, 3), none(3)};
+  places.position.col(0) = kPlaces;
+  places.direction << 0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.6, 0.0, 0.8;
+  const auto found = places_of_interest(fit, gains, {}, simulation, places, {none(3), none(3)});
+  const auto along = interest_of(gains.match);
+  EXPECT_LT((found.shapes.row(0) + along.shapes.row(0)).norm(), 1e-12);
+  EXPECT_LT((found.deviation.row(0) - along.deviation.row(0)).norm(), 1e-12);
+  const Eigen::RowVectorXd size = gains.match.shapes.colwise().norm() /
+                                  std::sqrt(static_cast<double>(gains.match.shapes.rows()));
+  const auto responses = predicted(fit, gains.match, found, Eigen::VectorXd::Constant(1, 10.0));
+  const double square = std::pow(2.0 * std::numbers::pi * 10.0, 2);
+  for (const Eigen::Index i : {1, 2}) {
+    EXPECT_EQ(found.shapes.row(i).norm(), 0.0);
+    EXPECT_LT((found.deviation.row(i) - size).norm(), 1e-12);
+    const Eigen::RowVectorXd band =
+        (size.cwiseAbs2() * gains.match.input_shapes.cwiseAbs2()).cwiseSqrt() / square;
+    EXPECT_LT((responses.deviation[0].row(i) - band).norm(), 1e-9 * band.norm());
   }
 }
 

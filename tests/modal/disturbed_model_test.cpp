@@ -5,7 +5,10 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "base/draw.h"
+#include "base/turn.h"
 #include "dense/riccati.h"
+#include "modal/kalman_filter.h"
 #include "tests/modal/chain.h"
 #include "tests/refusal.h"
 
@@ -80,6 +83,78 @@ TEST(DisturbedModel, DriftsByTheStatedChange) {
   ASSERT_EQ(drift.state_count(), 1);
   EXPECT_EQ(drift.model.space.a(0, 0), 1.0);
   EXPECT_NEAR(500.0 * drift.noise_inputs().squaredNorm(), 0.04, 1e-12);
+}
+
+// Two sensors and a point under a force that is known.
+ControlModel plant(double input_delay, double output_delay) {
+  auto model = control_model(reduced(chain(20, true), 6, {0, 7, 12}, {2, 19}, 0.01),
+                             {{"s1"}, {"s2"}, {"z"}}, {"a", "cable"});
+  model.input_delay(0) = input_delay * kSampleTime;
+  model.output_delay(1) = output_delay * kSampleTime;
+  return model;
+}
+
+DisturbedModel sampled(const ControlModel& model, InputCourse course) {
+  return disturbed_model(model, 1, {{.name = "cable", .input = 1, .rms = 0.3}},
+                         Eigen::Vector2d(1e-9, 1e-9), kSampleTime, course);
+}
+
+// A measured force is that of the model at each sample; held, it is half a sample late.
+TEST(DisturbedModel, LinearInputsAreNotLate) {
+  const double hz = 200.0;
+  const double late = 0.5 * kTwoPi * hz * kSampleTime;  // [rad]
+  for (const double input_delay : {0.0, 0.3, 1.0, 2.6}) {
+    for (const double output_delay : {0.0, 0.4, 1.0, 1.7}) {
+      const auto model = plant(input_delay, output_delay);
+      const Eigen::VectorXcd exact = response(model, hz).col(0);
+      const auto error = [&](InputCourse course) -> Eigen::VectorXd {
+        const Eigen::VectorXcd found = response(sampled(model, course).model, hz).col(0);
+        return (found.array() / exact.array() - 1.0).abs();
+      };
+      const auto linear = error(InputCourse::linear);
+      const auto held = error(InputCourse::held);
+      for (Eigen::Index i = 0; i < 3; ++i) {
+        EXPECT_LT(linear(i), 3e-3) << input_delay << " " << output_delay << " " << i;
+        EXPECT_GT(held(i), 0.8 * late) << input_delay << " " << output_delay << " " << i;
+      }
+    }
+  }
+}
+
+// Straight lines, in many held steps between two samples.
+TEST(DisturbedModel, LinearInputsGoStraightFromSampleToSample) {
+  constexpr Eigen::Index kSteps = 64;
+  constexpr Eigen::Index kSamples = 60;
+  Draw draw(3);
+  Eigen::MatrixXd force(kSamples, 1);
+  for (double& value : force.reshaped()) value = draw.normal();
+  force(0) = 0.0;
+  for (const double delay : {0.0, 0.25, 1.5}) {
+    const auto model = plant(delay, 0.5);
+    const auto coarse = sampled(model, InputCourse::linear);
+    const auto fine = with_delay_states(discretised(model, kSampleTime / kSteps));
+    KalmanFilter filter{coarse, {}, {}, {}, {}, {}, {}, {}};
+    filter.gain.setZero(coarse.state_count(), 2);
+    filter.point_gain.setZero(1, 2);
+    const auto found = estimate(filter, force, Eigen::MatrixXd::Zero(kSamples, 2), true);
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(fine.space.a.rows());
+    double wrong = 0.0;
+    double size = 0.0;
+    for (Eigen::Index k = 0; k + 1 < kSamples; ++k) {
+      const Eigen::Vector2d now(force(k), 0.0);
+      const Eigen::VectorXd y = fine.space.c * x + fine.space.d * now;
+      wrong += std::pow(found.points(k, 0) - y(2), 2);
+      size += std::pow(found.points(k, 0), 2);
+      const Eigen::VectorXd states = found.states.row(k).head(model.space.a.rows());
+      EXPECT_LT((states - x.head(states.size())).norm(), 1e-3 * (x.norm() + 1e-6)) << k;
+      for (Eigen::Index s = 0; s < kSteps; ++s) {
+        const double part = (static_cast<double>(s) + 0.5) / kSteps;
+        const Eigen::Vector2d u(force(k) + part * (force(k + 1) - force(k)), 0.0);
+        x = (fine.space.a * x + fine.space.b * u).eval();
+      }
+    }
+    EXPECT_LT(wrong, 1e-4 * size) << delay;
+  }
 }
 
 TEST(DisturbedModel, RefusesWhatIsNoDisturbance) {

@@ -130,6 +130,36 @@ TEST(LocalTransient, StatesTheVarianceOfWhatItLeaves) {
   }
 }
 
+// The scatter of a variance over the noise is that of its degrees of freedom, 1/ν of its square. Of
+// two periods a variance and its neighbours have nearly the same lines between.
+TEST(LocalTransient, StatesHowWellItsVarianceIsKnown) {
+  const auto rig = rig_of(slow_and_sharp());
+  auto options = removing();
+  options.low_hz = 19.0;
+  options.high_hz = 38.0;
+  Draw draw(5);
+  for (const Eigen::Index periods : {2, 5, 18}) {
+    const auto quiet = started(rig, periods, 1);
+    Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(4);
+    Eigen::ArrayXd square = Eigen::ArrayXd::Zero(4);
+    double stated = 0.0;
+    constexpr int kTimes = 60;
+    for (int time = 0; time < kTimes; ++time) {
+      auto data = quiet;
+      for (double& value : data.records[0].outputs.reshaped()) value = draw.normal();
+      const auto set = frf_estimate(data, options).set;
+      stated = set.averages;
+      for (Eigen::Index i = 0; i < 4; ++i) {  // lines with nothing in common
+        const double one = set.variance[static_cast<std::size_t>(6 + 20 * i)](0, 0);
+        sum(i) += one / kTimes;
+        square(i) += one * one / kTimes;
+      }
+    }
+    const double relative = ((square - sum.square()) / sum.square()).mean() * kTimes / (kTimes - 1);
+    EXPECT_NEAR(relative * stated, 1.0, 0.35) << periods << " " << stated;
+  }
+}
+
 // Without a transient nothing is lost beside the plain mean of all periods.
 TEST(LocalTransient, CostsLittleWhereThereIsNone) {
   const auto model = slow_and_sharp();

@@ -85,10 +85,14 @@ TEST(VirtualExperiment, ASpringOfNoStiffnessChangesNothing) {
   auto rig = rig_of(two_modes(), 512.0);
   const auto u = measured_noise(300, 2);
   Draw draw(1);
-  const auto linear = recorded(rig, u, draw).outputs;
-  rig.spring = CubicSpring{.stiffness = 0.0, .output = 0, .input = 0};
-  rig.delay_s = 0.0;
-  EXPECT_LT((recorded(rig, u, draw).outputs - linear).norm(), 1e-10 * linear.norm());
+  // A delay ends between two of the eight parts of a sample, or within one.
+  for (const double delay : {0.0, 0.125, 0.3, 1.01, 2.97}) {
+    rig.delay_s = delay * rig.sample_time_s;
+    rig.spring.reset();
+    const auto linear = recorded(rig, u, draw).outputs;
+    rig.spring = CubicSpring{.stiffness = 0.0, .output = 0, .input = 0};
+    EXPECT_LT((recorded(rig, u, draw).outputs - linear).norm(), 1e-10 * linear.norm()) << delay;
+  }
 }
 
 // Duffing's backbone: ω² = ω₀² + ¾ k a² / m; free vibration keeps its energy with the substeps'

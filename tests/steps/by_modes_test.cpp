@@ -5,6 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+
+#include "base/error.h"
+#include "steps/diagnosis/responses_in_band.h"
+#include "steps/measured_modes.h"
+#include "tests/refusal.h"
 
 namespace chladni::steps {
 namespace {
@@ -98,6 +104,29 @@ TEST(ByModes, CausesOfModesMustPay) {
   }
 }
 
+// What was said of other causes is not said beside those that replace them.
+TEST(ByModes, LeaveNoNotesOnOtherCauses) {
+  auto responses = open_responses();
+  responses.best.causes = {cause("ground_spring", 0.2)};
+  responses.notes = {"s4 is left out", "the springs are near each other"};
+  responses.data_notes = {"s4 is left out"};
+  responses.map.explained = responses.map.posterior = Eigen::VectorXd::Ones(3);
+  responses.before.per_output = Eigen::VectorXd::Constant(3, 90.0);
+  responses.after.per_output = Eigen::VectorXd::Constant(3, 80.0);
+  const auto by_modes = told_of_modes(Verdict::named, {cause("point_mass", 0.9)}, 0.02, 0.0003);
+  auto one = diagnosed_twice(responses, by_modes);
+  take_answer_of_modes(one, {});
+  ASSERT_EQ(one.result.notes.size(), 2U);
+  EXPECT_EQ(one.result.notes.front(), "s4 is left out");
+  EXPECT_NE(one.result.notes.back().find("learned from their modes"), std::string::npos);
+  EXPECT_EQ(one.result.map.explained.size(), 0) << "the place of a spring";
+  EXPECT_EQ(one.result.after.per_output, one.result.before.per_output);
+  responses.best.causes.clear();
+  auto without = diagnosed_twice(responses, by_modes);
+  take_answer_of_modes(without, {});
+  EXPECT_EQ(without.result.map.explained.size(), 3) << "that of the simulation itself";
+}
+
 // Levels beside a cause are those of no model where the cause is not taken.
 TEST(ByModes, LevelsAreThoseOfWhatIsTold) {
   auto partial = open_responses(Verdict::partial);
@@ -156,6 +185,23 @@ TEST(ByModes, AreAskedFirstWhereTheyAreOthers) {
   auto few = with_modes_at({97.0, 102.0, 99.0});
   few.seen.outputs.resize(1);
   EXPECT_FALSE(has_other_modes(few, {})) << "two channels";
+}
+
+// The fit of some responses has nothing but poles far off and filling.
+TEST(ByModes, NeedAMode) {
+  diagnosis::MeasuredModes none;
+  none.outputs = {"s1"};
+  none.inputs = {"a1"};
+  none.output_shapes.resize(1, 0);
+  none.input_shapes.resize(1, 0);
+  stage::Work work;
+  const auto said = refusal_of([&] { return clear_modes(none, work); });
+  EXPECT_NE(said.find("no mode can be identified"), std::string::npos) << said;
+  study::Study study;
+  study.file = "p1.toml";
+  study.measurement.emplace();
+  const auto below = refusal_of([&] { return modes_below(100.0, none, study, work); });
+  EXPECT_NE(below.find("p1.toml: no mode"), std::string::npos) << below;
 }
 
 // What is found beside a model that is off by 2 % is more than what its tolerances say.

@@ -73,6 +73,28 @@ TEST(ControlModels, SayThatAModeIsAnAlias) {
   EXPECT_NE(models.notes[0].find("alias"), std::string::npos);
 }
 
+// A dashpot has a real pole: no mode, however fast.
+TEST(ControlModels, CallNoDashpotAMode) {
+  auto model = chain_model(0.01);
+  auto& space = model.space;
+  const auto n = space.a.rows();
+  space.a.conservativeResizeLike(Eigen::MatrixXd::Zero(n + 1, n + 1));
+  space.b.conservativeResizeLike(Eigen::MatrixXd::Zero(n + 1, 2));
+  space.c.conservativeResizeLike(Eigen::MatrixXd::Zero(2, n + 1));
+  space.a(n, n) = -2e5;
+  space.b(n, 0) = space.c(0, n) = 1e-3;
+  model.states.push_back({"dashpot_1", "W^1/2"});
+  const auto notes = [&](const std::string& rate) {
+    return control_models(with("[state_space]\nsample_rate = \"" + rate + "\"\n"), model).notes;
+  };
+  EXPECT_TRUE(notes("10 kHz").empty());
+  const auto alias = notes("300 Hz");
+  ASSERT_FALSE(alias.empty());
+  const auto modes =
+      control_models(with("[state_space]\nsample_rate = \"300 Hz\"\n"), chain_model(0.01)).notes;
+  EXPECT_EQ(alias, modes);
+}
+
 modal::MeasuredChannel along_z(const std::string& name, double x, double y) {
   modal::MeasuredChannel channel;
   channel.name = name;

@@ -28,6 +28,20 @@ TEST_F(Told, WhatResponsesDoNotExplainIsAskedOfTheirModes) {
   EXPECT_FALSE(diagnosed_of(study).by_modes);
 }
 
+// Resonances beside each other: no gain of a sensor brings the responses nearer, but the shapes.
+TEST_F(Told, AGainOfASensorIsJudgedByShapesWhereResonancesMiss) {
+  const auto study = changed(
+      study_of({cause("sensor_gain", {"s2"}, {{"relative", 0.5}})}, "\"sensor_gain\"", 0.03), "",
+      "");
+  const auto one = diagnosed_of(study);
+  ASSERT_TRUE(steps::is_of_modes(one)) << show::diagnosis_table(one);
+  ASSERT_FALSE(one.result.best.causes.empty()) << show::diagnosis_table(one);
+  EXPECT_EQ(one.result.best.causes.front().effect, "sensor_gain");
+  EXPECT_TRUE(one.gain.pays.value_or(false)) << show::diagnosis_table(one);
+  EXPECT_LT(one.gain.shapes_after, 0.5 * one.gain.shapes_before);
+  EXPECT_NE(one.result.verdict, Verdict::unexplained) << show::diagnosis_table(one);
+}
+
 // A study that holds nothing out: parts of the data are held out in turn, and it is said which.
 TEST_F(Told, AGainIsMeasuredOnUnseenDataWithoutBeingAsked) {
   const auto study =

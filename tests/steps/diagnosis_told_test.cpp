@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "rotation/turn.h"
+#include "steps/diagnosis/beside_measured.h"
 #include "tests/steps/told_diagnosis.h"
 
 namespace chladni::steps {
@@ -129,6 +130,28 @@ TEST_F(Told, AnExtendedStudyThatCannotBeSolvedCostsNothingElse) {
   EXPECT_NE(left("extended.toml").find("# This study could not be solved"), std::string::npos);
   EXPECT_EQ(one.gain.from, steps::GainFrom::fitted_model);
   EXPECT_LT(one.gain.held_out_after, 0.3 * one.gain.held_out_before);
+}
+
+// One record without a unit takes the scale from none that states its own.
+TEST_F(Told, ARecordWithoutAUnitLeavesTheScaleOfTheOthers) {
+  const auto study = study_of({}, "\"sensor_gain\"");
+  app::QuietRun quiet(study, at("out"));
+  auto& work = quiet.run();
+  steps::Compared one;
+  one.before = stage::solved(stage::with_modes_for_diagnosis(study), work);
+  auto measured = steps::measured_frfs(study, work);
+  for (auto& value : measured.all.value) value *= 2.0;
+  const auto level = [&](const std::vector<std::string>& units) {
+    auto records = measured;
+    for (std::size_t i = 0; i < units.size(); ++i) records.all.outputs[i].unit = units[i];
+    auto some = one;
+    const bool scaled = steps::compare_responses(study, records, some, work).scaled;
+    EXPECT_EQ(scaled, units != std::vector<std::string>(3));
+    return some.comparison.responses.level;
+  };
+  EXPECT_NEAR(level({"m", "", "m"}), 2.0, 0.02);
+  EXPECT_NE(quiet.said().find("s2: no unit is stated"), std::string::npos) << quiet.said();
+  EXPECT_NEAR(level({"", "", ""}), 1.0, 0.02);
 }
 
 TEST_F(Told, CtrlCIsNoNote) {

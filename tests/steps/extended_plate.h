@@ -67,8 +67,9 @@ inline diagnosis::Cause resonator(double hz, double damping_ratio, double u, dou
 inline const std::filesystem::path kFile = "bench/study.toml";
 
 inline steps::ExtendedStudy extended(const std::vector<diagnosis::Cause>& causes,
-                                     const std::string& text = kStudy) {
-  return steps::extended_study(text, kFile, chart(), causes, "bench");
+                                     const std::string& text = kStudy,
+                                     const steps::DiagnosedOn& on = {}) {
+  return steps::extended_study(text, kFile, chart(), causes, "bench", {}, true, on);
 }
 
 }  // namespace chladni::steps

@@ -160,6 +160,60 @@ TEST(ExtendedStudy, GivesEachRecordTheSensorThatItIs) {
   EXPECT_EQ(study.sensors[2].name, "s1");
 }
 
+// A position is of the channel that the study has, a gain of the record, whatever comes first.
+TEST(ExtendedStudy, KeepsTheMeaningOfNamesThatAreExchanged) {
+  const auto moved = cause("sensor_position", {{"u", 0.004}, {"v", -0.002}}, {"s1"});
+  const auto gain = cause("sensor_gain", {{"relative", 0.5}}, {"s1"});
+  const auto turned = cause("sensor_sign", {}, {"s1"});
+  const auto exchange = cause("swapped_sensors", {}, {"s1", "s2"});
+  for (const auto& causes : std::vector<std::vector<diagnosis::Cause>>{
+           {gain, turned, exchange, moved}, {exchange, moved, turned, gain}}) {
+    const auto study = read(extended(causes));
+    EXPECT_EQ(study.sensors[0].name, "s2");
+    EXPECT_LT((study.sensors[0].at.point - Eigen::Vector3d(-0.246, 0.148, 0.0)).norm(), 1e-9);
+    EXPECT_EQ(study.sensors[0].gain, 1.0);
+    EXPECT_GT(study.sensors[0].direction.z(), 0.0);
+    EXPECT_EQ(study.sensors[1].name, "s1");
+    EXPECT_NEAR(study.sensors[1].gain, 1.1 * 1.5, 1e-9);
+    EXPECT_LT(study.sensors[1].direction.z(), 0.0);
+  }
+}
+
+// s3 stands in the study and not in the file of the responses.
+TEST(ExtendedStudy, TakesAllThatWereMeasuredForAll) {
+  const std::string third =
+      "\n[[sensor]]\nname = \"s3\"\nat = [\"0 mm\", \"0 mm\"]\ndirection = \"z\"\n";
+  const auto wrong = cause("sensor_quantity", {{"derivative", 2.0}}, {"s1", "s2"});
+  const auto text = kStudy + "[identification]\nunit = \"mm\"\n" + third;
+  const auto study = read(extended({wrong}, text, {{"s1", "s2"}, {"a1", "a2"}, {}}));
+  EXPECT_EQ(study.identification->unit, "mm/s^2");
+  for (const auto& sensor : study.sensors) EXPECT_EQ(sensor.quantity, "acceleration");
+  EXPECT_EQ(extended({wrong}, text, {{"s1", "s2", "s3"}, {"a1", "a2"}, {}}).unexpressed.size(), 1U);
+}
+
+TEST(ExtendedStudy, HangsMassesOnTheChannelsThatTheFitHad) {
+  const auto masses = cause("sensor_masses", {{"mass", 0.01}});
+  EXPECT_EQ(read(extended({masses})).attachments.size(), 2U);
+  const auto study = read(extended({masses}, kStudy, {{"s2"}, {"a1"}, {}}));
+  ASSERT_EQ(study.attachments.size(), 1U);
+  EXPECT_EQ(study.attachments[0].at.point, study.sensors[1].at.point);
+}
+
+// Seen along x, the body lies 100 mm below the plane of the chart: what hangs there hangs on it.
+TEST(ExtendedStudy, HangsThingsBelowTheirPlaceOnTheChart) {
+  diagnosis::Surface side;
+  side.origin = {0.3, 0.0, 0.0};
+  side.axis_u = Eigen::Vector3d::UnitY();
+  side.axis_v = Eigen::Vector3d::UnitZ();
+  steps::DiagnosedOn on;
+  on.height = [](const Eigen::Vector2d& place) { return -0.1 - place(0); };
+  const auto study = read(steps::extended_study(
+      kStudy, kFile, side, {cause("point_mass", {{"mass", 0.2}, {"u", 0.05}, {"v", 0.004}})},
+      "bench", {}, true, on));
+  ASSERT_EQ(study.attachments.size(), 1U);
+  EXPECT_LT((study.attachments[0].at.point - Eigen::Vector3d(0.15, 0.05, 0.004)).norm(), 1e-9);
+}
+
 // The unit that the study states is of all sensors: it goes with a quantity of all of them.
 TEST(ExtendedStudy, DifferentiatesTheUnitWithTheQuantity) {
   const auto with = [&](const std::string& unit, double times, std::vector<std::string> channels) {

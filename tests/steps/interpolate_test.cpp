@@ -4,13 +4,17 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "io/json.h"
 #include "io/shape_table.h"
 #include "show/interpolation.h"
 #include "steps/interpolation.h"
+#include "steps/predicted.h"
 #include "tests/app/quiet_run.h"
 
 namespace chladni::steps {
@@ -190,6 +194,23 @@ TEST_F(Interpolate, RefusesWhatCannotBeMeant) {
   refused("[measurement]\nshapes = \"s.csv\"\n", "line 2: s3");
   write("s.csv", "frequency_hz,s1,s2,s3\n200,0,0,0\n");
   refused("[measurement]\nshapes = \"s.csv\"\n", "are 0");
+}
+
+// Channels along z tell nothing of the motion of a free body in its plane.
+TEST(LeftOutOfPredictions, NamesPlacesThatDoNotMoveAlongZ) {
+  auto model = std::make_shared<IdentifiedModel>();
+  model->found.fit.model.rigid_count = 3;
+  model->match.rigid.emplace();
+  Interpolated result;
+  result.measured.identified = model;
+  const std::vector<std::string> names{"up", "across", "down", "oblique"};
+  Points directions(4, 3);
+  directions << 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.6, 0.8;
+  EXPECT_NE(left_out_across_z(result, names, directions).find(" at across, oblique, their band"),
+            std::string::npos);
+  EXPECT_EQ(left_out_across_z(result, {"up"}, directions), "");
+  model->match.rigid.reset();  // the motion is known nowhere, which another sentence says
+  EXPECT_EQ(left_out_across_z(result, names, directions), "");
 }
 
 }  // namespace

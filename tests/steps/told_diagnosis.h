@@ -82,12 +82,14 @@ inline constexpr const char* kThree = "\"youngs_modulus\", \"sensor_gain\", \"po
 class Told : public testing::Test {
  protected:
   // Writes study and data into the folder.
-  study::Study study_of(const std::vector<Cause>& causes, const std::string& effects) {
+  // @param scatter  by which the modes of the data are off those of the study, relative
+  study::Study study_of(const std::vector<Cause>& causes, const std::string& effects,
+                        double scatter = 0.0) {
     std::string text = kToldStudy;
     text.replace(text.find("EFFECTS"), 7, effects);
     const auto file = folder_.path() / "study.toml";
     std::ofstream(file) << text;
-    write_responses(causes, study::parse_study(text, file));
+    write_responses(causes, study::parse_study(text, file), scatter);
     return study::read_study(file);
   }
 
@@ -139,13 +141,21 @@ class Told : public testing::Test {
 
  private:
   // With 0.5 % noise, 30 to 400 Hz.
-  void write_responses(const std::vector<Cause>& causes, const study::Study& study) const {
+  void write_responses(const std::vector<Cause>& causes, const study::Study& study,
+                       double scatter) const {
     const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(120, 30.0, 400.0);
     modal::FrfSet set;
     for (const auto& one : study.sensors) set.outputs.emplace_back().name = one.name;
     for (const auto& one : study.actuators) set.inputs.emplace_back().name = one.name;
     set.frequency_hz = lines;
-    set.value = diagnosis::predicted(structure(study), causes, lines);
+    auto body = structure(study);
+    for (Eigen::Index k = 0; k < body.mode_count() && scatter > 0.0; ++k) {
+      const auto wave = [&](double i) { return std::sin(2.4 * static_cast<double>(k) + 1.9 * i); };
+      body.frequency_hz(k) *= 1.0 + scatter * wave(0.0);
+      for (Eigen::Index i = 0; i < body.output_count(); ++i)
+        body.outputs.shapes(i, k) *= 1.0 + 3.0 * scatter * wave(static_cast<double>(i) + 1.0);
+    }
+    set.value = diagnosis::predicted(body, causes, lines);
     std::mt19937 dice(11);
     std::normal_distribution<double> normal;
     for (auto& value : set.value) {

@@ -97,6 +97,25 @@ TEST_F(Experiment, ItsSignalsArePlayedWithinTheStroke) {
   EXPECT_GT(stroke, 0.7 * 0.8 * 0.02e-3);
 }
 
+// The table and the file say the same of each actuator.
+TEST_F(Experiment, TellsWhatBoundsTheForces) {
+  const auto bounded_by = [&](const std::string& limit) {
+    std::string shown;
+    const auto json =
+        design(exchanged(text_of("experiment"), "voltage = \"10 V\"\n", limit), &shown);
+    std::string last;
+    for (const auto& force : json.at("forces").array()) {
+      last = force.at("limited_by").string();
+      std::string row = shown.substr(shown.find("\n" + force.at("actuator").string() + " "));
+      row.resize(row.find('\n', 1));
+      EXPECT_EQ(row.substr(row.find_last_of(' ') + 1), last);
+    }
+    return last;
+  };
+  EXPECT_EQ(bounded_by("voltage = \"1 V\"\n"), "voltage");
+  EXPECT_EQ(bounded_by("voltage = \"10 V\"\n"), "force");
+}
+
 TEST_F(Experiment, TellsWhereToHit) {
   std::string shown;
   const auto json = design(text_of("hammer_design"), &shown);

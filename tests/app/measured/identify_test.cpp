@@ -54,6 +54,27 @@ TEST_F(Identify, FindsTheModesOfABeamThatIsShaken) {
   EXPECT_EQ(json.at("trust").at("verdict").string().find("not to be"), std::string::npos);
 }
 
+// Without the delays of the channels the file would not give the model.
+TEST_F(Identify, LeavesTheDelaysOfChannelsForMatlab) {
+  write("thesis_5x5.csv", measured(recordings::beam_with_coils(), 5, {1, 2, 3, 4, 5}));
+  const auto text = model("beam/thesis_5x5.toml");
+  for (const std::string side : {"sensors", "actuators"}) {
+    (void)run(identify_command,
+              replaced(text, "[identification]", "[identification]\ndelay_of = \"" + side + "\""));
+    const auto file = io::read_mat(folder_.path() / "out/identified.mat", std::size_t{1} << 30);
+    EXPECT_EQ(value_of(file, "delay_of").text.front(), side);
+    const auto stated = left("identified.json").at("channel_delay_s").array();
+    const auto delay = variable(file, "channel_delay_s");
+    ASSERT_EQ(delay.size(), 5);
+    for (Eigen::Index i = 0; i < 5; ++i) {
+      EXPECT_EQ(delay(i), stated[static_cast<std::size_t>(i)].number());
+    }
+  }
+  (void)run(identify_command, text);
+  const auto file = io::read_mat(folder_.path() / "out/identified.mat", std::size_t{1} << 30);
+  EXPECT_THROW((void)value_of(file, "channel_delay_s"), InvalidInput);
+}
+
 // The state spaces that are left are the models that were found: of real modes from the coils to
 // all places with a row, and to the places that no fit saw.
 TEST_F(Identify, LeavesStateSpacesThatRespondAsTheBeam) {

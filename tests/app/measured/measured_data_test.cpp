@@ -181,6 +181,7 @@ TEST_F(CommandLine, BadDataAreInvalidInput) {
   EXPECT_EQ(run({"convert", "good.csv", "out.stl"}).status, 3);
   EXPECT_EQ(run({"convert", "good.csv", "out.csv.gz"}).status, 3);
   EXPECT_TRUE(!fs::exists(folder_ / "out.csv.gz"));
+  EXPECT_TRUE(says(run({"list", "formats"}).out, "\n.csv.gz          read: "));
   EXPECT_EQ(run({"check", "absent.uff"}).status, 3);
 }
 

@@ -194,6 +194,40 @@ TEST_F(Observe, EstimatesWhatNoSensorSeesBetterThanGeometryDoes) {
   EXPECT_LT(found.maxCoeff(), 30e-9);
 }
 
+// The file states neither its period nor its times; the study does.
+TEST_F(Observe, ReadsRecordingsAsTheStudySaysTheyAre) {
+  EVERY_FOURTH_LANDING();
+  prepare();
+  const auto table = read_whole(folder_->path() / "rig" / "time_data.csv");
+  write("bare.csv", replaced(replaced(table, "time_s", "clock"), "period", "turn"));
+  auto text = replaced(kObserver, "frf = \"measured.csv\"", "time = \"bare.csv\"");
+  text = replaced(text, "replay = \"rig/time_data.csv\"\n", "");
+  text = replaced(text, "noise = \"5 nm\"\n", "");
+  const auto study_of = [&](const std::string& more) {
+    return study_with(replaced(text, "[identification]", more + "[identification]"));
+  };
+  const auto read = [&](const std::string& more, stage::Work& work) {
+    return steps::recordings(study_of(more), *shapes_->measured.identified, work);
+  };
+  const std::string stated = "sample_rate = \"8192 Hz\"\nperiod = 4096\n";
+  const auto found = read(stated, *work_);
+  EXPECT_NEAR(found.sample_time_s * 8192.0, 1.0, 1e-12);
+  EXPECT_EQ(found.records.size(), recorded_.records.size());
+  EXPECT_GT(found.noise.minCoeff(), 4.8e-9);
+  EXPECT_LT(found.noise.maxCoeff(), 30e-9);
+  EXPECT_NE(refusal_of([&] { return read("", *work_); }).find("no sample time is stated"),
+            std::string::npos);
+  stage::WorkOptions options;
+  options.memory_limit_bytes = 1U << 16U;
+  stage::Work small(options);
+  EXPECT_NE(refusal_of([&] { return read(stated, small); }), "");
+  // Forces that are measured go on from sample to sample, commands are held.
+  const auto commands = designed(study_of(stated), &found).filter.system;
+  const auto forces = designed(study_of(stated + "inputs = \"forces\"\n"), &found).filter.system;
+  EXPECT_EQ(commands.ahead.size(), 0);
+  EXPECT_EQ(forces.ahead.cols(), 4);
+}
+
 // The identified model errs by more than the noise of the rig, which the recordings say.
 TEST_F(Observe, LearnsItsNoiseFromTheRecordings) {
   EVERY_FOURTH_LANDING();
@@ -271,6 +305,34 @@ TEST_F(Observe, DrawsWhatIsNotKnownOfAModeWithinTheLines) {
   const auto beyond = trial_of(true, true);
   EXPECT_EQ(notes(beyond), notes(known));
   EXPECT_EQ(beyond.on_estimate.stable_draws, steps::kLoopDraws);
+}
+
+// All is linear: with twice the noise everywhere the loops move twice as much. The disturbances of
+// the plant stayed as stated where those of the filter were learned.
+TEST_F(Observe, ALoopHasTheNoiseThatWasLearned) {
+  EVERY_FOURTH_LANDING();
+  prepare();
+  const auto study = study_with(kObserver +
+                                "[observer.loop]\nactuators = [\"a1\", \"a2\", \"a3\", "
+                                "\"a4\"]\nbandwidth = \"85 Hz\"\n");
+  const auto stated = designed(study, &recorded_);
+  auto loud = stated;
+  loud.noise = {2.0, 2.0};
+  loud.filter = modal::kalman_filter(modal::with_noise(stated.filter.system, loud.noise));
+  const auto trial = steps::loop_trial(study, stated, *work_);
+  const auto loud_trial = steps::loop_trial(study, loud, *work_);
+  for (const auto of : {&steps::LoopTrial::on_sensors, &steps::LoopTrial::on_estimate}) {
+    const auto& one = trial.*of;
+    const auto& other = loud_trial.*of;
+    EXPECT_EQ(one.stable, other.stable);
+    for (std::size_t i = 0; i < one.rms.size(); ++i) {
+      if (one.stable) {
+        EXPECT_NEAR(other.rms[i] / one.rms[i], 2.0, 1e-6);
+      }
+    }
+    EXPECT_NEAR(other.modulus_margin, one.modulus_margin, 1e-6);
+  }
+  EXPECT_TRUE(trial.on_estimate.stable);
 }
 
 TEST_F(Observe, RefusesWhatCannotBeMeant) {

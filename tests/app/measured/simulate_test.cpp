@@ -1,4 +1,5 @@
 // chladni simulate: what it leaves is what a laboratory would have measured of the study's body.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,13 +10,16 @@
 
 #include "app/command.h"
 #include "base/error.h"
+#include "base/turn.h"
 #include "host/atomic_file.h"
 #include "io/frf_file.h"
 #include "io/json.h"
 #include "io/time_file.h"
 #include "recordings/frf_estimate.h"
 #include "recordings/rigid_chain.h"
+#include "steps/simulated.h"
 #include "tests/app/quiet_run.h"
+#include "tests/refusal.h"
 
 namespace chladni::app {
 namespace {
@@ -63,6 +67,10 @@ std::string plate_channels() {
 }
 
 const std::string kShort = "sample_rate = \"1024 Hz\"\nsamples = 2048\n";
+
+std::string in_other_words(std::string text, const std::string& what, const std::string& by) {
+  return text.replace(text.find(what), what.size(), by);
+}
 
 class Simulate : public testing::Test {
  protected:
@@ -177,6 +185,56 @@ TEST_F(Simulate, LeavesTheRecordingsItsResponsesCameFrom) {
     const auto line = static_cast<Eigen::Index>(k);
     ASSERT_NEAR(set.frequency_hz(line), responses.frequency_hz(line), 1e-9);
     EXPECT_LT((set.value[k] - responses.value[k]).norm(), 1e-9 * responses.value[k].norm());
+  }
+}
+
+// At another sensor its force would follow a velocity as if that were a displacement, and against
+// the sensor's direction it would push away.
+TEST_F(Simulate, ACubicSpringFollowsADisplacement) {
+  const auto spring = [&](const std::string& strip) {
+    return refusal_of([&] {
+      return run(strip + "[experiment]\n" + kShort +
+                 "structure = \"rigid_chain\"\nperiods = 1\nrealisations = 1\n"
+                 "cubic_spring = { stiffness = \"1e9 N/m^3\", sensor = \"y1\", actuator = \"u1\" "
+                 "}\n");
+    });
+  };
+  EXPECT_EQ(spring(kStrip), "");
+  for (const std::string quantity : {"velocity", "acceleration"}) {
+    const auto text = in_other_words(kStrip, "\"y1\"", "\"y1\"\nquantity = \"" + quantity + "\"");
+    EXPECT_NE(spring(text).find("\"y1\" measures " + quantity), std::string::npos);
+  }
+  EXPECT_NE(spring(in_other_words(kStrip, "direction = \"z\"", "direction = \"-z\""))
+                .find("\"y1\" and \"u1\" do not point in one direction"),
+            std::string::npos);
+}
+
+// A file of another size than `amplitude`, on other lines.
+TEST_F(Simulate, TheNoiseIsAPartOfWhatTheFileMoves) {
+  std::string table = "time_s,u1\n";
+  for (int n = 0; n < 2048; ++n) {
+    table +=
+        fmt::format("{:.9f},{:.9f}\n", n / 1024.0, 20.0 * std::sin(kTwoPi * 12.0 * n / 1024.0));
+  }
+  write_atomically(folder_.path() / "played.csv", table);
+  const auto bench_of = [&](const std::string& more) {
+    stage::Work work;
+    return steps::bench_of(
+        study::parse_study(kStrip + "[experiment]\n" + kShort +
+                               "structure = \"rigid_chain\"\nwarm_up = 20\nperiods = 2\n"
+                               "excitation = \"played.csv\"\n" +
+                               more,
+                           folder_.path() / "study.toml"),
+        work);
+  };
+  const auto quiet = bench_of("");
+  Draw draw(1);
+  const auto played = recordings::played(quiet.rig, quiet.excitation, 2, 20, draw);
+  const auto& outputs = played.records.front().outputs;
+  const auto noise = bench_of("noise_ratio = 0.05\n").rig.sensor_noise;
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    const double rms = outputs.col(i).norm() / std::sqrt(static_cast<double>(outputs.rows()));
+    EXPECT_NEAR(noise(i), 0.05 * rms, 1e-9 * rms);
   }
 }
 

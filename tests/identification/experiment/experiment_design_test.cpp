@@ -211,6 +211,37 @@ TEST(ExperimentDesign, ResolvesTheNarrowestMode) {
   EXPECT_EQ(design.line_hz.size(), design.amplitude.rows());
 }
 
+// Odd lines lie two lines of the period apart.
+TEST(ExperimentDesign, ResolvesTheNarrowestModeByOddLines) {
+  const auto all = experiment_design(model_of(three_modes()), small_plan(), 1);
+  EXPECT_EQ(all.spacing_hz, 1.0 / all.period_s());
+  for (const auto lines :
+       {recordings::ExcitedLines::odd, recordings::ExcitedLines::odd_with_detection}) {
+    auto plan = small_plan();
+    plan.lines = lines;
+    const auto design = experiment_design(model_of(three_modes()), plan, 1);
+    EXPECT_NEAR(design.spacing_hz, 0.84 / 4.0, 0.01);
+    EXPECT_LE(design.spacing_hz, 0.84 / 4.0);
+    const auto n = design.line_hz.size() - 1;
+    EXPECT_NEAR((design.line_hz.tail(n) - design.line_hz.head(n)).minCoeff(), design.spacing_hz,
+                1e-9);
+  }
+}
+
+// A period that is too short is told by the lines that are excited.
+TEST(ExperimentDesign, CountsTheLinesThatAreExcited) {
+  auto plan = small_plan();
+  plan.longest_period_s = 3.0;  // 0.84 Hz: 2.5 lines, of which every second one is odd
+  EXPECT_TRUE(experiment_design(model_of(three_modes()), plan, 1).notes.empty());
+  plan.lines = recordings::ExcitedLines::odd;
+  const auto design = experiment_design(model_of(three_modes()), plan, 1);
+  ASSERT_FALSE(design.notes.empty());
+  const auto& note = design.notes.front();
+  EXPECT_NE(note.find("has 1.3 lines in its half-power bandwidth: a period of 9.524 s"),
+            std::string::npos)
+      << note;
+}
+
 // Twice the noise needs four times the recording; deviations after one average are proportional.
 // What the narrowest mode asks for has more samples than any integer.
 TEST(ExperimentDesign, ItsPeriodHasAnEnd) {

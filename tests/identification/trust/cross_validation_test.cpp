@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "identification/delay.h"
 #include "identification/identified.h"
@@ -123,6 +124,25 @@ TEST(CrossValidation, StretchesOfOneRealisationStandForRealisations) {
   const auto found = validated(recorded.folds, 2);
   EXPECT_NEAR(found.all.whole.level, found.expected_level, 4.0 * found.all.whole.level_deviation);
   EXPECT_TRUE(recorded_folds(1, 3, 6).folds.folds.empty());
+}
+
+// They count as equal: a longer one would have less noise than is said of it.
+TEST(CrossValidation, StretchesAreOfOneLength) {
+  const auto recorded = recorded_folds(1, 8, 6);
+  recordings::TransientReport about;
+  const auto [all, options] = prepared(recorded.data, {}, about);
+  std::set<std::size_t> periods;
+  const Estimator looking = [&](const recordings::Spectra& spectra,
+                                const recordings::FrfEstimateOptions& how) {
+    for (const auto& record : spectra.records) periods.insert(record.outputs.size());
+    return frf_estimate(spectra, how);
+  };
+  for (const Index dropped : {0, 1, 2, 3}) {  // 8 to 5 periods
+    periods.clear();
+    const auto found = folds(recorded.data, all, {}, dropped, looking);
+    EXPECT_EQ(found.folds.size(), static_cast<std::size_t>((8 - dropped) / 2));
+    EXPECT_EQ(periods, std::set<std::size_t>{2});
+  }
 }
 
 TEST(CrossValidation, OfManyRealisationsSomeGoTogether) {
