@@ -8,7 +8,7 @@ namespace {
 
 void run_identify(const study::Study& study, show::Run& run) {
   const steps::IdentifiedModel model = steps::identified(study, nullptr, run);
-  run.show(show::identification_table(model));
+  run.show(show::identification_text(study, model));
   show::leave_identification(study, model, run, true);
   steps::require_trust(model);
 }

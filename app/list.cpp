@@ -39,7 +39,8 @@ constexpr std::array kFormats = std::to_array<Row>({
     {".msh", "read: tetrahedra of Gmsh 2.2 and 4.1"},
     {".inp", "read: C3D4 and C3D10 of Abaqus and CalculiX; sets become regions and patches"},
     {".vtu", "read and written: tetrahedra of VTK, modes for ParaView"},
-    {".csv .csv.gz", "read and written: measured responses and recordings; written: results"},
+    {".csv", "read and written: measured responses and recordings; written: results"},
+    {".csv.gz", "read: the same"},
     {".uff .unv",
      "read (58, 58b, 55, 2414, 15, 18, 82, 151, 164, 781, 2411, 2412, 2420) and written: "
      "measured data, modes"},

@@ -6,12 +6,11 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
-#include <new>
 #include <string_view>
-#include <system_error>
 
 #include "app/command.h"
 #include "app/exit_code.h"
+#include "app/guarded.h"
 #include "app/option_values.h"
 #include "app/sweep.h"
 #include "app/watch.h"
@@ -21,21 +20,18 @@
 #include "dense/blas.h"
 #include "host/parallel.h"
 #include "io/frf_file.h"
-#include "show/excerpt.h"
 #include "show/new_output.h"
 #include "show/version.h"
-#include "stage/remedies.h"
 #include "study/problems.h"
 
 namespace {
 
 namespace app = chladni::app;
 namespace show = chladni::show;
-namespace stage = chladni::stage;
 namespace study = chladni::study;
 
 using enum app::ExitCode;
-using app::ExitCode;
+using app::guarded;
 
 // In the order of the workflow. A new verb needs one line here.
 constexpr const app::Command* kCommands[] = {
@@ -45,72 +41,6 @@ constexpr const app::Command* kCommands[] = {
     &app::interpolate_command, &app::observe_command,  &app::compare_command,
     &app::diagnose_command,    &app::study_command,
 };
-
-/// How an error is told.
-struct ErrorStyle {
-  bool excerpts = true;  ///< with the line of the file that it names
-  bool json = false;     ///< on the standard output too, in one object with the result
-  const chladni::TextWriter* result = nullptr;  ///< JSON that the verb had left before
-};
-
-/// Whether the machine fails, and not the path.
-bool is_shortage(const std::error_code& code) {
-  constexpr std::errc kinds[] = {std::errc::not_enough_memory,
-                                 std::errc::no_space_on_device,
-                                 std::errc::io_error,
-                                 std::errc::file_too_large,
-                                 std::errc::too_many_files_open,
-                                 std::errc::too_many_files_open_in_system};
-  return std::ranges::any_of(kinds, [&](std::errc kind) { return code == kind; });
-}
-
-/// Runs `work` and turns any exception into a message and an exit code.
-int guarded(show::Talk& talk, const std::function<int()>& work, const ErrorStyle& style = {}) {
-  const auto told = [&](const std::string& what, ExitCode code,
-                        const std::vector<stage::Remedy>& remedies = {}) {
-    talk.error(style.excerpts ? show::with_excerpts(what) : what);
-    if (style.json) {
-      const auto result = style.result == nullptr ? "" : style.result->str();
-      std::cout << chladni::io::text(show::error_json(what, code, remedies, result)) << std::flush;
-    }
-    return code;
-  };
-  const auto failed = [&](const std::exception& e, ExitCode code) { return told(e.what(), code); };
-  const auto unforeseen = [&](const std::string& what) {
-    return told("chladni cannot go on: " + what + "; this is a fault of Chladni " + show::version(),
-                kNumericalFailure);
-  };
-  try {
-    const int status = work();
-    talk.clear_progress();
-    return status;
-  } catch (const chladni::InvalidInput& e) {
-    return failed(e, kInvalidInput);
-  } catch (const chladni::Interrupted& e) {
-    return failed(e, kInterrupted);
-  } catch (const chladni::WorkerDied& e) {
-    return failed(e, kWorkerDied);
-  } catch (const stage::DoesNotFit& e) {
-    return told(e.what(), kOutOfResources, e.remedies);
-  } catch (const chladni::OutOfResources& e) {
-    return failed(e, kOutOfResources);
-  } catch (const chladni::NumericalFailure& e) {
-    return failed(e, kNumericalFailure);
-  } catch (const std::bad_alloc&) {
-    return told("out of memory; choose a longer mesh.edge_length or a lower mesh.order",
-                kOutOfResources);
-  } catch (const std::filesystem::filesystem_error& e) {
-    const auto what = (e.path1().empty() ? "" : e.path1().string() + ": ") + e.code().message();
-    if (is_shortage(e.code())) return told(what, kOutOfResources);
-    return told(what + "; expected a path that can be used", kInvalidInput);
-  } catch (const std::system_error& e) {
-    return failed(e, kOutOfResources);
-  } catch (const std::exception& e) {
-    return unforeseen(e.what());
-  } catch (...) {
-    return unforeseen("it met an error without a name");
-  }
-}
 
 /// @throws OutOfResources  what was printed is not written whole
 void require_output() {
@@ -128,7 +58,7 @@ int run(const app::Command& command, const std::filesystem::path& file, show::Op
   manner.all = options.all;
   show::Talk talk(std::cerr, manner);
   chladni::TextWriter json;  // printed once it is known whether the verb ends well
-  const ErrorStyle style{.excerpts = !options.quiet, .json = options.json, .result = &json};
+  const app::ErrorStyle style{.excerpts = !options.quiet, .json = options.json, .result = &json};
   const auto work = [&]() -> int {
     if (command.name == "check" && chladni::io::is_measured_file(file)) {
       return app::check_data(file, options, std::cout);
@@ -178,6 +108,32 @@ int run_or_watch(const app::Command& command, const std::filesystem::path& file,
   return guarded(talk, [&] { return app::run_at_each_change(watch); });
 }
 
+/// Options of the verbs that may solve.
+void add_solution_options(CLI::App& verb, const app::Command& command, show::Options& options) {
+  const auto is_one_of = [&](const auto&... names) { return ((command.name == names) || ...); };
+  verb.add_option("--engine", options.engine,
+                  "what starts the ranks that find the modes: \"mpiexec -n 4\"");
+  verb.add_option("--memory-limit", options.memory_limit_gb,
+                  "[GB] of a solution in this process, and of recordings [what is free]")
+      ->transform(CLI::Validator(app::in_gigabytes, ""));
+  verb.add_flag("!--no-certificate", options.certificate, "do not count the modes by inertia");
+  if (is_one_of("check")) {
+    verb.add_flag("--expect", options.expect, "compute, and compare with what the study expects");
+    verb.add_option("--unit", options.unit,
+                    "of measured responses that do not state it: m, m/s^2, g, um/V");
+    verb.add_option("--sample-time", options.sample_time_s, "[s] of recordings without a time")
+        ->transform(CLI::Validator(app::in_seconds, ""));
+  }
+  if (is_one_of("identify", "interpolate", "study")) {
+    verb.add_flag("--keep-best", options.keep_best,
+                  "Ctrl-C stops a fit, and its best so far is written");
+  }
+  if (is_one_of("modes", "study")) {
+    verb.add_option("--animate", options.animate, "mode whose motion is left as modes.pvd")
+        ->check(CLI::Range(1, 1'000'000));
+  }
+}
+
 void add_options(CLI::App& verb, const app::Command& command, std::filesystem::path& file,
                  show::Options& options) {
   verb.add_option("STUDY", file,
@@ -207,27 +163,9 @@ void add_options(CLI::App& verb, const app::Command& command, std::filesystem::p
   }
   verb.add_flag("!--no-cache", options.cache,
                 "mesh and solve anew, whatever earlier runs have kept, and keep nothing");
-  if (command.name == "mesh" || command.name == "export") return;
-  verb.add_option("--engine", options.engine,
-                  "what starts the ranks that find the modes: \"mpiexec -n 4\"");
-  verb.add_option("--memory-limit", options.memory_limit_gb,
-                  "[GB] of a solution in this process, and of recordings [what is free]")
-      ->transform(CLI::Validator(app::in_gigabytes, ""));
-  verb.add_flag("!--no-certificate", options.certificate, "do not count the modes by inertia");
-  if (command.name == "check") {
-    verb.add_flag("--expect", options.expect, "compute, and compare with what the study expects");
-    verb.add_option("--unit", options.unit,
-                    "of measured responses that do not state it: m, m/s^2, g, um/V");
-    verb.add_option("--sample-time", options.sample_time_s, "[s] of recordings without a time")
-        ->transform(CLI::Validator(app::in_seconds, ""));
-    return;
+  if (command.name != "mesh" && command.name != "export") {
+    add_solution_options(verb, command, options);
   }
-  if (command.name == "identify" || command.name == "interpolate" || command.name == "study") {
-    verb.add_flag("--keep-best", options.keep_best,
-                  "Ctrl-C stops a fit, and its best so far is written");
-  }
-  verb.add_option("--animate", options.animate, "mode whose motion is left as modes.pvd")
-      ->check(CLI::Range(1, 1'000'000));
 }
 
 struct OtherVerbs {
@@ -268,9 +206,8 @@ void add_other_verbs(CLI::App& cli, OtherVerbs& other, show::Talk& talk, int& st
   auto* cache = cli.add_subcommand("cache", "meshes and modes of earlier runs: where, how large");
   cache->add_flag("--clear", other.clear, "remove them all");
   cache->add_flag("--json", other.json, "the result as JSON on the standard output");
-  cache->callback([&] {
-    status = guarded(talk, [&] { return app::cache(other.clear, other.json, std::cout); });
-  });
+  const auto kept = [&] { return app::cache(other.clear, other.json, std::cout); };
+  cache->callback([&, kept] { status = guarded(talk, kept, {.json = other.json}); });
   auto* doctor = cli.add_subcommand("doctor", "checks the installation");
   doctor->callback([&] { status = guarded(talk, [] { return app::doctor(std::cout); }); });
 }
@@ -297,15 +234,15 @@ void add_sweep_verbs(CLI::App& cli, app::SweepCommand& sweep, show::Talk& talk, 
       ->check(CLI::Range(1, 1024));
   run->add_option("--threads", sweep.threads, "threads of each variant [1]")
       ->check(CLI::Range(1, 1024));
-  run->callback([&] {
-    status = guarded(talk, [&] {
-      sweep.program = std::filesystem::read_symlink("/proc/self/exe");
-      const int code = app::sweep(sweep, std::cout, std::cerr, talk.progress());
-      talk.clear_progress();
-      return code;
-    });
-  });
-  gather->callback([&] { status = guarded(talk, [&] { return app::gather(sweep, std::cout); }); });
+  const auto all = [&] {
+    sweep.program = std::filesystem::read_symlink("/proc/self/exe");
+    const int code = app::sweep(sweep, std::cout, std::cerr, talk.progress());
+    talk.clear_progress();
+    return code;
+  };
+  const auto joined = [&] { return app::gather(sweep, std::cout); };
+  run->callback([&, all] { status = guarded(talk, all, {.json = sweep.json}); });
+  gather->callback([&, joined] { status = guarded(talk, joined, {.json = sweep.json}); });
 }
 
 std::string asked_instead(const std::string& nearest) {

@@ -1,4 +1,4 @@
-// chladni study STUDY: runs every step for which the study has data.
+// chladni study STUDY: modes, placement, interpolation and diagnosis in one go, then the report.
 #include <filesystem>
 #include <optional>
 
@@ -73,7 +73,7 @@ void run_study(const study::Study& study, show::Run& run) {
 
 constinit const Command study_command{
     .name = "study",
-    .summary = "every step for which the study has the data, then the report",
+    .summary = "mesh, modes, placement, interpolation, diagnosis: what it has data for; a report",
     .run = run_study,
 };
 

@@ -52,8 +52,18 @@ def faults_of_manual(root, chladni):
         yield f"cmake/deb/chladni.1 and the program differ in {option}"
 
 
+def faults_of_numbers(root, chladni):
+    """A page need not say how many effects there are; where it does, it is right."""
+    number = len(said(chladni, "list", "effects").splitlines())
+    for page in sorted((root / "docs/reference").glob("*.md")):
+        for told in re.findall(r"`chladni list effects`\):? (\d+)", page.read_text()):
+            if int(told) != number:
+                yield f"{page.relative_to(root)} says {told} effects, there are {number}"
+
+
 def faults_of(root, chladni):
     yield from faults_of_manual(root, chladni)
+    yield from faults_of_numbers(root, chladni)
     page = (root / "docs/reference/cli.md").read_text()
     verbs = rows_of(page, "verb")
     named = {re.match(r"`([a-z]+)", first)[1] for first, _ in verbs}

@@ -48,12 +48,15 @@ py::object checked(const std::shared_ptr<OpenedStudy>& opened, bool expect,
   const Subject subject{opened, {}};
   PythonWork work(subject, {.progress = progress});
   auto json = work.done([&] {
-    auto introduction = steps::checked(opened->study, !expect, work);
-    auto resolved = show::study_json(opened->study, introduction);
-    if (expect) {
-      const auto solution = stage::solved(opened->study, std::move(introduction), work);
-      steps::judge(opened->study, solution, work);
-    }
+    const auto& study = opened->study;
+    if (expect) steps::require_expectations(study);
+    auto introduction = steps::checked(study, !expect, work);
+    auto resolved = show::study_json(study, introduction);
+    if (!expect) return resolved;
+    const auto solution = stage::solved(study, std::move(introduction), work);
+    const auto judged = steps::judged(study, solution, work);
+    show::add_judged(judged, resolved);
+    steps::require_met(study, judged, solution);
     return resolved;
   });
   static_cast<void>(work.said());

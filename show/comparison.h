@@ -20,7 +20,7 @@ namespace chladni::show {
 /// not modes, channels that cannot tell shapes apart.
 [[nodiscard]] std::vector<std::string> unpaired_lines(const diagnosis::ModeComparison& modes);
 
-/// `discrepancy` of diagnosis.json.
+/// comparison.json of responses. `discrepancy` of diagnosis.json has the misfit besides.
 [[nodiscard]] io::JsonObject comparison_json(const diagnosis::Comparison& comparison);
 
 /// Measured responses with their 95 % band, the simulation and, if there is one, the extended

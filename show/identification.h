@@ -14,6 +14,12 @@ namespace chladni::show {
 /// The modes with their standard deviations and gains.
 [[nodiscard]] io::ResultTable identified_modes_table(const steps::IdentifiedModel& model);
 [[nodiscard]] std::string identification_table(const steps::IdentifiedModel& model);
+/// The table, then the body as a whole and its decoupling, where the channels tell them.
+[[nodiscard]] std::string identification_text(const study::Study& study,
+                                              const steps::IdentifiedModel& model);
+/// "noise 0.42 %", with the error that the model may have where that is part of it; or that it is
+/// not known.
+[[nodiscard]] std::string noise_text(const steps::IdentifiedModel& model);
 
 /// "trust: ...", then a line for each doubtful mode and outlying line.
 [[nodiscard]] std::string trust_text(const steps::IdentifiedModel& model);
@@ -33,7 +39,9 @@ namespace chladni::show {
 /// detection_lines.csv, where there are lines that nothing excites.
 void leave_detection_lines(const steps::IdentifiedModel& model, Run& run);
 
-[[nodiscard]] io::JsonObject identified_json(const steps::IdentifiedModel& model);
+/// identified.json without its head
+[[nodiscard]] io::JsonObject identified_json(const study::Study& study,
+                                             const steps::IdentifiedModel& model);
 
 /// Magnitudes of at most 24 responses: measured, fitted and residual.
 void draw_fit(const steps::IdentifiedModel& model, const io::PictureFile& png);

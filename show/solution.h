@@ -5,6 +5,7 @@
 #include "io/json.h"
 #include "show/run.h"
 #include "stage/solution.h"
+#include "steps/expectations.h"
 
 namespace chladni::show {
 
@@ -31,5 +32,7 @@ void leave_mesh(const mesh::TetMesh& body, Run& run, bool main_result);
 /// study.json: the study in SI units with its estimates.
 [[nodiscard]] io::JsonObject study_json(const study::Study& study,
                                         const stage::Introduction& introduction);
+/// What was found, and whether that is met, in `expect` of a study.json.
+void add_judged(const std::vector<steps::JudgedExpectation>& judged, io::JsonObject& study_json);
 
 }  // namespace chladni::show

@@ -12,9 +12,15 @@ namespace chladni::steps {
 [[nodiscard]] const IdentifiedModel& identified_of(const Interpolated& result);
 
 /// Missing parts of the predicted responses and their band, a sentence each: modes without a scale,
-/// the 1/s² term of modes at 0 Hz, the modes above the band.
-/// @throws InvalidInput  as identified_of
+/// the 1/s² term of modes at 0 Hz, of all places or of those that do not move along z, the modes
+/// above the band. @throws InvalidInput  as identified_of
 [[nodiscard]] std::vector<std::string> left_out_of_predictions(const Interpolated& result);
+
+/// The sentence about those of such places that do not move along z; empty if there are none, or no
+/// modes at 0 Hz. @throws InvalidInput  as identified_of
+[[nodiscard]] std::string left_out_across_z(const Interpolated& result,
+                                            const std::vector<std::string>& names,
+                                            const Points& directions);
 
 /// The way of that name; empty: the first.
 /// @throws InvalidInput  the study was not interpolated by it

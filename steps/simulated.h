@@ -18,7 +18,7 @@ struct Bench {
 };
 
 /// @throws InvalidInput  no sensor or actuator, a free body without a loop, a chain that is not the
-///                       thesis' beam, an impossible loop
+///                       thesis' beam, an impossible loop, a spring that follows no displacement
 [[nodiscard]] Bench bench_of(const study::Study& study, stage::Work& work);
 
 struct Simulated {

@@ -33,8 +33,12 @@ class IdentifiedResult : public Result {
   IdentifiedResult(std::shared_ptr<const OpenedStudy> opened, Said said,
                    std::shared_ptr<const steps::IdentifiedModel> model)
       : Result(std::move(opened), std::move(said)), model_(std::move(model)) {}
-  [[nodiscard]] std::string text() const override { return show::identification_table(*model_); }
-  [[nodiscard]] io::JsonObject json() const override { return show::identified_json(*model_); }
+  [[nodiscard]] std::string text() const override {
+    return show::identification_text(study(), *model_);
+  }
+  [[nodiscard]] io::JsonObject json() const override {
+    return show::identified_json(study(), *model_);
+  }
   void leave(show::Run& run) const override {
     show::leave_identification(study(), *model_, run, true);
   }

@@ -188,11 +188,44 @@ io::MatFields matlab_variables(const study::Study& study, const steps::Identifie
       {"damping_ratio", Eigen::MatrixXd(extended.damping_ratio)},
       {"modes_within", numbers_of(steps::modes_within(model))},
       {"title", study.title}};
+  if (fit.channel_delay_s.size() > 0) {  // of the channels of one side, beside delay_s
+    const bool of_sensors = fit.delay_of == identification::DelayOf::outputs;
+    fields.emplace_back("delay_of", of_sensors ? "sensors" : "actuators");
+    fields.emplace_back("channel_delay_s", Eigen::MatrixXd(fit.channel_delay_s));
+  }
   if (fit.complex) {
     fields.emplace_back("L", fit.complex->outputs);
     fields.emplace_back("R", fit.complex->inputs);
   }
   return fields;
+}
+
+// Those of more than one mode.
+io::JsonArray groups_json(const identification::ModalFit& fit) {
+  io::JsonArray groups;
+  for (const auto& group : fit.groups) {
+    if (group.size > 1) {
+      groups.push_back(io::JsonObject{{"first", static_cast<long long>(group.first)},
+                                      {"size", static_cast<long long>(group.size)}});
+    }
+  }
+  return groups;
+}
+
+// What only a fit of complex shapes has, one of recordings, one with channels that have places.
+void add_what_some_have(const study::Study& study, const steps::IdentifiedModel& model,
+                        io::JsonObject& json) {
+  if (const auto& complex = model.found.fit.complex) {
+    json.emplace_back("complex_shapes", complex_json(*complex));
+    json.emplace_back("imaginary_shapes",
+                      io::JsonObject{{"channels", io::Json::texts(row_names(model))},
+                                     {"value", io::Json::rows(model.match.imaginary)},
+                                     {"std", io::Json::rows(model.match.imaginary_deviation)}});
+  }
+  if (model.measured.quality) json.emplace_back("data_quality", quality_json(model));
+  if (const auto body = steps::rigid_body_of_channels(study, model)) {
+    json.emplace_back("rigid_body", rigid_body_json(*body));
+  }
 }
 
 std::string gain_text(const identification::ModeMatch& match) {
@@ -245,6 +278,13 @@ io::ResultTable identified_modes_table(const steps::IdentifiedModel& model) {
   return table;
 }
 
+std::string noise_text(const steps::IdentifiedModel& model) {
+  if (!model.data.weights_are_deviations) return "their noise is not known";
+  return fmt::format(
+      "{} {}", model.data.noise_known ? "noise" : "noise with the error that the model may have",
+      percent(steps::noise(model)));
+}
+
 std::string identification_table(const steps::IdentifiedModel& model) {
   const auto& fit = model.found.fit;
   const auto& data = model.data;
@@ -254,15 +294,15 @@ std::string identification_table(const steps::IdentifiedModel& model) {
                       data.frequency_hz(data.line_count() - 1),
                       io::text(identified_modes_table(model)));
   if (fit.complex) text += complex_table(fit);
-  text += fmt::format("\nresponses off by {} of their size, {} {}",
-                      percent(steps::overall_error(model)),
-                      data.noise_known ? "noise" : "noise with the error that the model may have",
-                      percent(steps::noise(model)));
+  text += fmt::format("\nresponses off by {} of their size, {}",
+                      percent(steps::overall_error(model)), noise_text(model));
   if (fit.delay_std_s > 0.0) {
     text += fmt::format("; delay {:.2f} +- {:.2g} us", 1e6 * fit.delay_s, 1e6 * fit.delay_std_s);
   }
-  const std::string noise_is = data.noise_known    ? ""
-                               : data.noise_stated ? model_error_text(model)
+  const std::string noise_is = data.noise_known               ? ""
+                               : !data.weights_are_deviations ? " (as if the weights were those of "
+                                                                "noise)"
+                               : data.noise_stated            ? model_error_text(model)
                                                    : " (noise estimated from the lines' scatter, "
                                                      "and the error that the model may have)";
   text += fmt::format("\ncost {:.5g}, of noise alone {:.5g} +- {:.2g}{}\n", fit.cost,
@@ -270,15 +310,13 @@ std::string identification_table(const steps::IdentifiedModel& model) {
   return text + validation_text(model) + trust_text(model);
 }
 
-io::JsonObject identified_json(const steps::IdentifiedModel& model) {
+std::string identification_text(const study::Study& study, const steps::IdentifiedModel& model) {
+  const auto body = steps::rigid_body_of_channels(study, model);
+  return identification_table(model) + (body ? rigid_body_text(*body) : "");
+}
+
+io::JsonObject identified_json(const study::Study& study, const steps::IdentifiedModel& model) {
   const auto& fit = model.found.fit;
-  io::JsonArray groups;
-  for (const auto& group : fit.groups) {
-    if (group.size > 1) {
-      groups.push_back(io::JsonObject{{"first", static_cast<long long>(group.first)},
-                                      {"size", static_cast<long long>(group.size)}});
-    }
-  }
   io::JsonObject json{{"damping", fit.complex ? "general" : "modal"},
                       {"sensors", io::Json::texts(modal::names_of(model.seen.outputs))},
                       {"actuators", io::Json::texts(modal::names_of(model.seen.inputs))},
@@ -293,7 +331,7 @@ io::JsonObject identified_json(const steps::IdentifiedModel& model) {
                       {"channel_delay_s", io::Json(fit.channel_delay_s)},
                       {"channel_delay_std_s", io::Json(fit.channel_delay_std_s)},
                       {"model_error", io::Json(model.model_error)},
-                      {"groups", groups},
+                      {"groups", groups_json(fit)},
                       {"gain_match", gain_json(model)},
                       {"shapes", io::JsonObject{{"channels", io::Json::texts(row_names(model))},
                                                 {"value", io::Json::rows(model.match.shapes)},
@@ -305,13 +343,7 @@ io::JsonObject identified_json(const steps::IdentifiedModel& model) {
                       {"order", steps_json(model.found)},
                       {"stabilisation", stabilisation_json(model.stabilisation)},
                       {"notes", io::Json::texts(fit.notes)}};
-  if (fit.complex) {
-    json.emplace_back("complex_shapes", complex_json(*fit.complex));
-    json.emplace_back("imaginary_shapes",
-                      io::JsonObject{{"channels", io::Json::texts(row_names(model))},
-                                     {"value", io::Json::rows(model.match.imaginary)},
-                                     {"std", io::Json::rows(model.match.imaginary_deviation)}});
-  }
+  add_what_some_have(study, model, json);
   return json;
 }
 
@@ -319,15 +351,10 @@ void leave_identification(const study::Study& study, const steps::IdentifiedMode
                           bool main_result) {
   const auto& fit = model.found.fit;
   const auto extended = identification::extended_model(fit, model.match);
-  const auto body = steps::rigid_body_of_channels(study, model);
   auto variables = matlab_variables(study, model, extended);
-  auto json = identified_json(model);
-  if (model.measured.quality) json.emplace_back("data_quality", quality_json(model));
-  if (body) {
+  if (const auto body = steps::rigid_body_of_channels(study, model)) {
     variables.emplace_back("rigid_body", rigid_body_mat(*body));
-    json.emplace_back("rigid_body", rigid_body_json(*body));
     for (const auto& note : body->notes) run.warn(note);
-    run.show(rigid_body_text(*body));
   }
   leave_detection_lines(model, run);
   io::write_mat(run / "identified.mat", variables);
@@ -344,14 +371,14 @@ void leave_identification(const study::Study& study, const steps::IdentifiedMode
       run.paint("stabilisation.png", [&](const auto& png) { draw_stabilisation(model, png); });
     }
   }
-  run.leave("identified.json", std::move(json), main_result);
+  run.leave("identified.json", identified_json(study, model), main_result);
   leave_control_models(study, model, run);
 }
 
 std::function<void(const steps::IdentifiedModel&)> shown_and_left(const study::Study& study,
                                                                   Run& run) {
   return [&study, &run](const steps::IdentifiedModel& model) {
-    run.show(identification_table(model) + "\n");
+    run.show(identification_text(study, model) + "\n");
     leave_identification(study, model, run, false);
   };
 }

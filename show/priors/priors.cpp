@@ -159,7 +159,7 @@ io::JsonObject priors_json(const stage::Solution& solution, const steps::Learned
   for (const auto& [name, error] : result.spline_error) splines.emplace_back(name, io::Json(error));
   const auto complex = result.columns[static_cast<std::size_t>(result.most_complex)];
   return {{"by", result.plan.by},
-          {"noise_ratio", result.plan.noise_ratio},
+          {"noise_ratio", result.plan.learn_noise ? io::Json() : result.plan.noise_ratio},
           {"modes", modes},
           {"shared", learned_json(result, last.shared, last.samples,
                                   last.noise_dependence(last.noise_dependence.size() - 1))},

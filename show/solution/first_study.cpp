@@ -15,6 +15,7 @@
 #include "stage/faces.h"
 #include "stage/model.h"
 #include "stage/solution.h"
+#include "study/toml_edit.h"
 
 namespace chladni::show {
 namespace {
@@ -50,16 +51,15 @@ modes = 3                                      # the first three flexible ones
 # [diagnosis]                                  # what the simulation gets wrong, and why
 )";
 
-std::string toml_string(const std::string& text) { return "\"" + text + "\""; }
-
 std::string geometry_of(const FirstChoices& choices, const std::string& file) {
   if (choices.kind == "file") {
-    const auto unit = choices.unit.empty() ? "" : ", unit = " + toml_string(choices.unit);
-    return fmt::format("geometry = {{ file = {}{} }}\n", toml_string(file), unit);
+    const auto unit = choices.unit.empty() ? "" : ", unit = " + study::toml_text(choices.unit);
+    return fmt::format("geometry = {{ file = {}{} }}\n", study::toml_text(file), unit);
   }
   std::string text = "[geometry." + choices.kind + "]\n";
   for (const auto& [key, value] : choices.dimensions) {
-    text += fmt::format("{:<10} = {}\n", key, value.starts_with('[') ? value : toml_string(value));
+    text +=
+        fmt::format("{:<10} = {}\n", key, value.starts_with('[') ? value : study::toml_text(value));
   }
   return text;
 }
@@ -86,7 +86,7 @@ std::string beginning(const FirstChoices& choices, const fs::path& file, const s
   text += fmt::format(fmt::runtime(kCommands), name);
   text += "# Every key: chladni list keys. Every dimension has its unit.\n\n";
   text += fmt::format("title    = {}\nmaterial = {}  # others: chladni list materials\n",
-                      toml_string(title), toml_string(choices.material));
+                      study::toml_text(title), study::toml_text(choices.material));
   text += "modes    = { count = 12, damping_ratio = 0.005 }\n";
   text += "# mesh   = { edge_length = \"10 mm\" }  # left out: from the geometry\n\n";
   if (choices.kind != "file") {

@@ -1,4 +1,6 @@
 // A study in SI units: the output of `chladni check`.
+#include <algorithm>
+
 #include "mesh/tetrahedralize.h"
 #include "show/interpolation.h"
 #include "show/solution.h"
@@ -121,6 +123,18 @@ io::JsonObject study_json(const study::Study& study, const stage::Introduction& 
   object.emplace_back("estimate", estimate_json(introduction.body, introduction.cost));
   object.emplace_back("warnings", io::Json::texts(introduction.warnings));
   return object;
+}
+
+void add_judged(const std::vector<steps::JudgedExpectation>& judged, io::JsonObject& study_json) {
+  io::JsonObject expect;
+  for (const auto& [expected, found, met] : judged) {
+    const auto alone = study::expectations_json({expected});
+    auto entry = std::get<io::JsonObject>(alone.at(expected.key).value());
+    append({{"found", found}, {"met", met}}, entry);
+    expect.emplace_back(expected.key, std::move(entry));
+  }
+  const auto known = std::ranges::find(study_json, "expect", &io::JsonObject::value_type::first);
+  known->second = std::move(expect);
 }
 
 }  // namespace chladni::show

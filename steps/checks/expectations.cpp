@@ -1,6 +1,7 @@
 // A study is also a test: compares its expectations with the results.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -24,7 +25,8 @@ std::string unit_text(const study::Expectation& expectation) {
   return expectation.unit == "1" ? "" : " " + expectation.unit;
 }
 
-std::string verdict_line(const study::Expectation& expectation, double found, bool met) {
+std::string verdict_line(const JudgedExpectation& one) {
+  const auto& [expectation, found, met] = one;
   const std::string unit = unit_text(expectation);
   const double off = found - expectation.value;
   const std::string relative =
@@ -37,37 +39,50 @@ std::string verdict_line(const study::Expectation& expectation, double found, bo
 /// An implicit expectation of every study: the modes satisfy their equation.
 constexpr double kLargestResidual = 1e-8;
 
-bool residuals_are_small(const stage::Solution& solution, stage::Work& work) {
-  const double found =
-      solution.summary.residual.size() > 0 ? solution.summary.residual.maxCoeff() : 0.0;
-  const bool met = found <= kLargestResidual;
-  work.show(fmt::format("{}  {:<18} expected at most {:.0e}, found {:.1e}\n",
-                        met ? "met   " : "FAILED", "residual", kLargestResidual, found));
-  return met;
+double largest_residual(const stage::Solution& solution) {
+  return solution.summary.residual.size() > 0 ? solution.summary.residual.maxCoeff() : 0.0;
 }
 
 }  // namespace
 
-void judge(const study::Study& study, const stage::Solution& solution, stage::Work& work) {
+void require_expectations(const study::Study& study) {
   require(!study.expectations.empty(),
           study.file.string() +
               " expects nothing; add a table [expect], such as frequency_1 = { "
               "value = \"183.8 Hz\", within = \"1 %\" }");
-  int failed = 0;
+}
+
+std::vector<JudgedExpectation> judged(const study::Study& study, const stage::Solution& solution,
+                                      stage::Work& work) {
+  std::vector<JudgedExpectation> all;
   for (const auto& expectation : study.expectations) {
     const double found = found_for(expectation, solution);
     const bool met = std::abs(found - expectation.value) <= expectation.within * (1.0 + 1e-12);
-    failed += met ? 0 : 1;
-    work.show(verdict_line(expectation, found, met));
+    all.push_back({expectation, found, met});
+    work.show(verdict_line(all.back()));
   }
-  const bool solved = residuals_are_small(solution, work);
+  const double residual = largest_residual(solution);
+  work.show(fmt::format("{}  {:<18} expected at most {:.0e}, found {:.1e}\n",
+                        residual <= kLargestResidual ? "met   " : "FAILED", "residual",
+                        kLargestResidual, residual));
+  return all;
+}
+
+void require_met(const study::Study& study, const std::vector<JudgedExpectation>& all,
+                 const stage::Solution& solution) {
+  const auto failed = std::ranges::count(all, false, &JudgedExpectation::met);
   if (failed > 0) {
-    throw NumericalFailure(fmt::format("{}: {} of {} expectations not met", study.file.string(),
-                                       failed, study.expectations.size()));
+    throw NumericalFailure(
+        fmt::format("{}: {} of {} expectations not met", study.file.string(), failed, all.size()));
   }
-  if (!solved) {
+  if (!(largest_residual(solution) <= kLargestResidual)) {
     throw NumericalFailure(study.file.string() + ": a residual above what can be trusted");
   }
+}
+
+void judge(const study::Study& study, const stage::Solution& solution, stage::Work& work) {
+  require_expectations(study);
+  require_met(study, judged(study, solution, work), solution);
 }
 
 }  // namespace chladni::steps

@@ -304,5 +304,17 @@ material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 k
   EXPECT_TRUE(says(run({"modes", study.string(), "--animate", "0"}).err, "1 to 1000000"));
 }
 
+TEST_F(CommandLine, OnlyVerbsThatLeaveModesAnimateOne) {
+  for (const auto* verb : {"place", "priors", "experiment", "simulate", "identify", "interpolate",
+                           "observe", "compare", "diagnose"}) {
+    const auto refused = run({verb, "plate.toml", "--animate", "7"});
+    EXPECT_EQ(refused.status, 2) << verb;
+    EXPECT_TRUE(says(refused.err, std::string(verb) + " has no option \"--animate\""));
+  }
+  for (const auto* verb : {"modes", "study"}) {
+    EXPECT_TRUE(says(run({verb, "--help"}).out, "--animate")) << verb;
+  }
+}
+
 }  // namespace
 }  // namespace chladni::app

@@ -1,4 +1,6 @@
 // Four verbs on one body cost one solve.
+#include <sys/mount.h>
+
 #include <cstdlib>
 #include <map>
 
@@ -106,6 +108,18 @@ TEST_F(CacheVerb, TellsItselfAsJson) {
   EXPECT_EQ(told.at("folder").string(), cache());
   EXPECT_EQ(told.at("entries").number(), 1.0);
   EXPECT_GT(told.at("bytes").number(), 1000.0);
+}
+
+TEST_F(CacheVerb, TellsAnErrorAsJsonToo) {
+  fs::create_directories(cache());
+  const auto busy = write("cache/busy.kept", "");
+  if (mount(busy.c_str(), busy.c_str(), "", MS_BIND, "") != 0) {
+    GTEST_SKIP() << "no right to mount a file here: not tested";
+  }
+  const auto refused = kept({"cache", "--clear", "--json"});
+  umount(busy.c_str());
+  EXPECT_EQ(refused.status, 3) << refused.err;
+  EXPECT_EQ(io::parse_json(refused.out).at("error").at("exit").number(), 3.0);
 }
 
 }  // namespace

@@ -143,6 +143,8 @@ TEST_F(CommandLine, ExpectationsMetAreZeroAndMissedAreFour) {
   const auto met = run({"check", "--expect", good.string()});
   EXPECT_EQ(met.status, 0) << met.err;
   EXPECT_TRUE(says(met.out, "met     mass"));
+  const auto json = io::parse_json(run({"check", "--expect", "--json", good.string()}).out);
+  EXPECT_TRUE(std::get<bool>(json.at("expect").at("mass").at("met").value()));
   for (const std::string far : {"1 Hz", "1 MHz"}) {
     const auto bad = write("bad.toml", plate + "[expect]\nfrequency_1 = { value = \"" + far +
                                            "\", within = \"1 %\" }\n");
@@ -150,6 +152,11 @@ TEST_F(CommandLine, ExpectationsMetAreZeroAndMissedAreFour) {
     EXPECT_EQ(missed.status, 4) << far;
     EXPECT_TRUE(says(missed.out, "FAILED  frequency_1"));
     EXPECT_TRUE(says(missed.err, "1 of 1 expectations not met"));
+    const auto told = io::parse_json(run({"check", "--expect", "--json", bad.string()}).out);
+    const auto& one = told.at("expect").at("frequency_1");
+    EXPECT_FALSE(std::get<bool>(one.at("met").value())) << far;
+    EXPECT_NEAR(one.at("found").number(), 2600.0, 800.0);
+    EXPECT_EQ(told.at("error").at("exit").number(), 4.0);
   }
 }
 

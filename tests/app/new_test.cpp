@@ -76,6 +76,18 @@ TEST_F(New, PutsSensorsOntoAPartAndTellsOfIt) {
   EXPECT_EQ(json.at("sensors").array().size(), 4U);
 }
 
+TEST_F(New, APartMayHaveAnyName) {
+  write_stl();
+  const std::string name = "a \"good\" part\\one.stl";
+  fs::rename(folder_ / "part.stl", folder_ / name);
+  const auto done = run({"new", "stage.toml", "--from", name, "--unit", "mm"});
+  ASSERT_EQ(done.status, 0) << done.err;
+  const auto check = checked("stage.toml");
+  EXPECT_EQ(check.status, 0) << check.err;
+  const auto json = io::parse_json(text("out/study.json"));
+  EXPECT_EQ(json.at("study").at("title").string(), "a \"good\" part\\one");
+}
+
 TEST_F(New, AsksForAUnitWhereTheFileStatesNone) {
   write_stl();
   const auto done = run({"new", "stage.toml", "--from", "part.stl"});

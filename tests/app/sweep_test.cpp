@@ -129,7 +129,14 @@ TEST_F(SweepVerbs, AWrongPlanIsToldBeforeAnythingRuns) {
   EXPECT_EQ(swept.status, 3);
   EXPECT_TRUE(says(swept.err, "variant 2 (5 kg)"));
   EXPECT_TRUE(left("out").empty());
-  EXPECT_EQ(run({"sweep", "nowhere.toml"}).status, 3);
+  for (const auto* verb : {"sweep", "gather"}) {
+    EXPECT_EQ(run({verb, "nowhere.toml"}).out, "");
+    const auto told = run({verb, "nowhere.toml", "--json"});
+    EXPECT_EQ(told.status, 3);
+    const auto error = io::parse_json(told.out).at("error");
+    EXPECT_EQ(error.at("exit").number(), 3.0) << verb;
+    EXPECT_TRUE(says(error.at("errors").array()[0].at("message").string(), "nowhere.toml"));
+  }
 }
 
 TEST_F(SweepVerbs, CtrlCLeavesNoVariantHalf) {

@@ -6,6 +6,7 @@ Small studies are run. The diagnosis of responses has its turn at every fourth l
 """
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -95,6 +96,29 @@ rms = "0.2 N"
 effects = ["point_mass", "sensor_gain"]
 lines = 60
 """
+RECORDED = """
+[measurement]
+time = "recorded/simulate/time_data.csv"
+[identification]
+damping = "general"
+[experiment]
+leaves = "time"
+lines = "odd_with_detection"
+noise_ratio = 0.002
+band = ["20 Hz", "1500 Hz"]
+sample_rate = "8192 Hz"
+samples = 8192
+periods = 3
+warm_up = 9
+realisations = 2
+controlled = ["a1", "a2", "a3"]
+bandwidth = "20 Hz"
+"""
+EXPECT = """
+[expect]
+mass = { value = "1296 g", within = "1 g" }
+frequency_1 = { value = "500 Hz", within = "50 %" }
+"""
 PLAN = """
 title = "thickness"
 base = "study.toml"
@@ -121,6 +145,22 @@ def schema_of(name):
     return json.loads((SCHEMAS / name).read_text())
 
 
+def rows_of(page):
+    """The cells of each row of the tables of a page of the reference."""
+    lines = (SCHEMAS.parent / page).read_text().splitlines()
+    return [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines if line.startswith("| `")]
+
+
+def verbs_in(cell):
+    return re.findall(r"`([a-z]+)`", cell)
+
+
+def left_by(verb):
+    """The files that json.md says the verb leaves."""
+    return {name for files, verbs, *_ in rows_of("json.md") if verb in verbs_in(verbs)
+            for name in re.findall(r"`([a-z_]+\.json)`", files)}
+
+
 def unexplained(schema, path):
     """Keys without a description."""
     for key, value in schema.get("properties", {}).items():
@@ -138,6 +178,53 @@ def part(schema, path):
     for key in path:
         schema = schema[key]
     return schema
+
+
+def validator_of(name, schema):
+    others = jsonschema.RefResolver((SCHEMAS / name).as_uri(), schema_of(name))
+    return jsonschema.Draft202012Validator(schema, resolver=others)
+
+
+def branches(name, schema, content):
+    """The parts of the schema, in the file of that name, that `content` is held to: (name, part) each."""
+    yield name, schema
+    parts = [(name, one) for one in schema.get("allOf", [])]
+    parts += [(name, one) for word in ("anyOf", "oneOf") for one in schema.get(word, [])
+              if validator_of(name, one).is_valid(content)]
+    if "if" in schema:
+        met = validator_of(name, schema["if"]).is_valid(content)
+        parts.append((name, schema.get("then" if met else "else", {})))
+    if "$ref" in schema:
+        file, _, place = schema["$ref"].partition("#")
+        parts.append((file or name, part(schema_of(file or name), place.strip("/").split("/"))))
+    for file, one in parts:
+        yield from branches(file, one, content)
+
+
+def inner_of(schema, key):
+    """What the schema says of the value of a key; nothing where it does not explain the key."""
+    if key in schema.get("properties", {}):
+        return [schema["properties"][key]]
+    others = schema.get("additionalProperties", False)
+    return [] if others is False else [others]
+
+
+def strange_keys(schemas, content, path=""):
+    """Keys of `content` that none of the schemas, (file, schema) each, explains. True explains all."""
+    if not isinstance(content, (dict, list)) or any(schema is True for _, schema in schemas):
+        return
+    held_to = [pair for name, schema in schemas for pair in branches(name, schema, content)]
+    if isinstance(content, list):
+        items = [(name, schema["items"]) for name, schema in held_to if "items" in schema]
+        for entry in content:
+            yield from strange_keys(items, entry, path)
+        return
+    for key, value in content.items():
+        known = [(name, inner) for name, schema in held_to for inner in inner_of(schema, key)]
+        if known:
+            yield from strange_keys(known, value, f"{path}/{key}")
+        else:
+            yield f"{path}/{key}"
 
 
 class Schemas(unittest.TestCase):
@@ -158,6 +245,11 @@ class Schemas(unittest.TestCase):
         for file in SCHEMAS.glob("*.json"):
             self.assertIn(f"(schemas/{file.name})", page)
 
+    def test_the_verb_study_takes_the_steps_whose_files_it_leaves(self):
+        steps = next(verbs_in(does) for verb, does, *_ in rows_of("cli.md") if verb == "`study`")
+        leaves = {verbs_in(verbs)[0] for _, verbs, *_ in rows_of("json.md") if "study" in verbs_in(verbs)}
+        self.assertEqual(set(steps), leaves)
+
 
 class Files(unittest.TestCase):
     @classmethod
@@ -170,7 +262,7 @@ class Files(unittest.TestCase):
         cls.ran = set()
 
     def run_verb(self, verb, study, *more):
-        out = self.folder / "out" / verb
+        out = self.folder / study.stem / verb
         paints = verb not in ("check", "mesh", "export", "priors", "simulate", "sweep")
         pictures = ["--no-pictures"] if paints else []
         done = subprocess.run([CHLADNI, verb, study, "-o", out, "--threads", "1", *pictures, *more],
@@ -183,48 +275,81 @@ class Files(unittest.TestCase):
         name = schema_name or file.name
         schema = schema_of(name)
         content = json.loads(file.read_text())
-        others = jsonschema.RefResolver((SCHEMAS / name).as_uri(), schema)
-        validator = jsonschema.Draft202012Validator(schema, resolver=others)
+        validator = validator_of(name, schema)
         faults = [f"{file.name}: {list(fault.absolute_path)}: {fault.message}"
                   for fault in validator.iter_errors(content)]
         self.assertEqual(faults[:5], [])
+        self.assertEqual(sorted(set(strange_keys([(name, schema)], content))), [], f"in no schema: {file}")
         for key in schema["required"]:
             less = {k: v for k, v in content.items() if k != key}
             self.assertFalse(validator.is_valid(less), f"{file.name} without {key}")
         return content
 
-    def all_agree(self, out, *expected):
+    def all_agree(self, out, without=frozenset()):
+        """What a verb left is what json.md says, but for what this study does not ask for."""
         left = {f.name for f in out.glob("*.json")}
-        self.assertLessEqual(set(expected), left)
+        self.assertEqual(left, left_by(out.name) - without, out.name)
         for name in left:
             self.agrees(out / name, "state_space.json" if name == "simulated_state_space.json" else None)
 
     def test_of_the_simulation(self):
-        self.all_agree(self.run_verb("check", self.study), "study.json")
-        self.all_agree(self.run_verb("mesh", self.study), "mesh.json")
-        self.all_agree(self.run_verb("modes", self.study), "modes.json", "simulated_state_space.json")
-        self.all_agree(self.run_verb("export", self.study), "export.json")
-        self.all_agree(self.run_verb("place", self.study), "placement.json")
-        self.all_agree(self.run_verb("priors", self.study), "priors.json")
+        for verb in ("check", "mesh", "modes", "export", "place", "priors"):
+            self.all_agree(self.run_verb(verb, self.study))
+
+    def test_of_priors_that_learn_the_noise(self):
+        study = self.folder / "learned.toml"
+        study.write_text(PLATE % "8 mm" + '[priors]\nmodes = 2\nsamples = [30]\nnoise_ratio = "learned"\n')
+        out = self.run_verb("priors", study)
+        self.all_agree(out)
+        self.assertIsNone(json.loads((out / "priors.json").read_text())["noise_ratio"])
+
+    def test_of_expectations(self):
+        study = self.folder / "expects.toml"
+        study.write_text(PLATE % "8 mm" + EXPECT)
+        out = self.run_verb("check", study, "--expect")
+        self.all_agree(out)
+        expect = json.loads((out / "study.json").read_text())["expect"]
+        self.assertEqual(set(expect), {"mass", "frequency_1"})
+        for one in expect.values():
+            self.assertTrue(one["met"])
+            self.assertLess(abs(one["found"] - one["value"]), one["within"])
 
     def test_of_measured_data(self):
-        self.all_agree(self.run_verb("simulate", self.study), "simulated.json")
-        self.all_agree(self.run_verb("identify", self.study), "identified.json", "state_space.json")
-        self.all_agree(self.run_verb("interpolate", self.study), "interpolation.json", "spatio_temporal.json",
-                       "mode_field_polynomial.json")
-        self.all_agree(self.run_verb("compare", self.study), "comparison.json")
-        self.all_agree(self.run_verb("observe", self.study), "observe.json")
+        for verb in ("simulate", "identify", "interpolate", "compare", "observe"):
+            self.all_agree(self.run_verb(verb, self.study))
+        whole = self.folder / "whole.toml"
+        whole.write_text(self.study.read_text().split("[diagnosis]")[0] + channels())
+        self.all_agree(self.run_verb("study", whole), without={"diagnosis.json"})
         self.diagnosed_modes()
         if not (why := why_skipped("docs.schemas.diagnosis", SAMPLE, SOURCE)):
             self.diagnosed_responses()
         else:
             print(f"the diagnosis of responses {why}")
 
+    def test_of_recordings(self):
+        study = self.folder / "recorded.toml"
+        study.write_text(PLATE % "8 mm" + RECORDED + channels())
+        self.all_agree(self.run_verb("simulate", study))
+        out = self.run_verb("identify", study)
+        self.all_agree(out)
+        told = json.loads((out / "identified.json").read_text())
+        self.assertLessEqual({"data_quality", "complex_shapes", "rigid_body"}, set(told))
+        self.assertIn("distortion", told["data_quality"])
+
+    def test_a_comparison_is_one_of_responses_or_of_modes(self):
+        """Neither passes as the other."""
+        of_modes = {"modes": [{"simulated_hz": 1.0, "measured_hz": 1.0, "change": 0.0, "mac": None}]}
+        schema = {**schema_of("comparison.json"), "required": []}
+        validator = validator_of("comparison.json", schema)
+        self.assertTrue(validator.is_valid(of_modes))
+        self.assertFalse(validator.is_valid({"modes": [{"measured_hz": 1.0}]}))
+        self.assertFalse(validator.is_valid({**of_modes, "band_hz": [1.0, 2.0]}))
+
     def diagnosed_responses(self):
         study = self.folder / "believed.toml"
         study.write_text(PLATE % "8 mm" + MEASURED + channels())
         out = self.run_verb("diagnose", study)
-        self.all_agree(out, "diagnosis.json")
+        self.all_agree(out)
         told = json.loads((out / "diagnosis.json").read_text())
         self.assertEqual([c["effect"] for c in told["causes"]], ["point_mass"])
 
@@ -238,17 +363,17 @@ class Files(unittest.TestCase):
         for name in ("one", "two"):
             (self.folder / f"{name}.toml").write_text(
                 f'{sheet}{channels()}[measurement]\nmodes = "modes.csv"\n')
-        self.all_agree(self.run_verb("diagnose", self.folder / "one.toml"), "diagnosis.json")
-        self.all_agree(self.run_verb("compare", self.folder / "one.toml"), "comparison.json")
+        self.all_agree(self.run_verb("diagnose", self.folder / "one.toml"))
+        self.all_agree(self.run_verb("compare", self.folder / "one.toml"))
         several = self.folder / "several.toml"
         several.write_text(PLATE % "8 mm" + "".join(
             f'[[specimen]]\nname = "{n}"\nstudy = "{n}.toml"\n' for n in ("one", "two")))
-        self.all_agree(self.run_verb("diagnose", several), "diagnosis.json")
+        self.all_agree(self.run_verb("diagnose", several))
 
     def test_of_designed_experiments(self):
         for name in ("experiment", "hammer_design"):
             study = SOURCE / "models/recordings" / f"{name}.toml"
-            self.all_agree(self.run_verb("experiment", study), "experiment.json")
+            self.all_agree(self.run_verb("experiment", study))
 
     def test_of_a_sweep(self):
         plan = self.folder / "plan.toml"

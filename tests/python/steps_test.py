@@ -14,6 +14,7 @@ EXPERIMENT = {"sample_rate": "16384 Hz", "samples": 8192, "periods": 3, "realisa
               "warm_up": 3, "band": ["100 Hz", "1450 Hz"], "noise_ratio": 0.01}
 MODES = {"count": 12, "damping_ratio": 0.01}
 SEARCH = {"on": ["top"], "effects": ["point_mass", "ground_spring"], "most_causes": 1, "lines": 80}
+HEAD = {"chladni", "study", "seed", "seconds"}  # of every JSON file
 POINT = {"name": "p", "at": ["-20 mm", "-60 mm"]}
 
 
@@ -70,6 +71,21 @@ class Flow(InFolder):
         np.testing.assert_allclose(model.state_space().frf(f), fitted,
                                    atol=1e-6 * abs(fitted).max())
         self.assertIn(model.trust, ("down to the noise", "good", "systematic errors"))
+
+    def test_a_fit_is_told_as_the_program_tells_it(self):
+        """With what a fit of recordings alone has, and one with channels that have places."""
+        recorded = stage(experiment={**EXPERIMENT, "leaves": "time"})
+        recordings = chladni.simulate(chladni.Study(recorded, folder=self.folder)).recordings
+        chladni.write_time(self.folder / "recordings.csv", recordings)
+        whole = {**stage(), "measurement": {"time": "recordings.csv"}}
+        model = chladni.identify(chladni.Study(whole, folder=self.folder))
+        said, mine = said_by_program("identify", whole, self.folder), model.to_dict()
+        self.assertEqual(set(said) - HEAD, set(mine))
+        self.assertEqual(said["data_quality"]["verdict"], mine["data_quality"]["verdict"])
+        self.assertEqual(set(said["rigid_body"]), set(mine["rigid_body"]))
+        self.assertIn(mine["data_quality"]["verdict"], str(model))
+        for side in ("sensors", "actuators"):
+            self.assertIn(mine["rigid_body"][side]["told"], str(model))
 
     def test_shapes_and_responses_between_the_sensors(self):
         field = chladni.interpolate(self.study)

@@ -94,7 +94,10 @@ class Checks(unittest.TestCase):
         self.assertAlmostEqual(told["estimate"]["mass_kg"], 0.3 * 0.2 * 0.01 * 2700)
 
     def test_expectations_are_compared(self):
-        chladni.Study(plate(expect={"mass": {"value": "1.62 kg", "within": "1 g"}})).check(expect=True)
+        right = chladni.Study(plate(expect={"mass": {"value": "1.62 kg", "within": "1 g"}}))
+        mass = right.check(expect=True)["expect"]["mass"]
+        self.assertTrue(mass["met"])
+        self.assertLess(abs(mass["found"] - mass["value"]), mass["within"])
         wrong = chladni.Study(plate(expect={"mass": {"value": "1.7 kg", "within": "1 g"}}))
         with self.assertRaises(chladni.NumericalFailure):
             wrong.check(expect=True)
