@@ -40,6 +40,8 @@ struct Constants : ModeConstants {
   double usual_body = 3.0;
   /// [1] Prior odds that the data are of another body. Chosen: a slip once in a hundred studies.
   double another_body = 0.01;
+  /// [1] Cosine to the normal beyond which a channel is stated against it. Chosen.
+  double against_normal = 0.5;
   /// [1] The causes explain little if more than this part of the misfit is left. Chosen.
   double left_at_most = 0.2;
   /// [1] Probability at most of a cause beside something unnamed. Chosen.

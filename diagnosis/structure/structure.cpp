@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/index.h"
+#include "diagnosis/constants.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -85,7 +86,6 @@ ChannelSide part_of(const ChannelSide& side, const std::vector<Eigen::Index>& ro
 }
 
 Eigen::VectorXd signs_along_normal(const Structure& structure, const ChannelSide& side) {
-  constexpr double kAgainst = -0.5;  // cosine; one along the surface is neither with nor against it
   const auto& surface = structure.surface;
   Eigen::VectorXd signs = Eigen::VectorXd::Ones(side.count());
   for (Eigen::Index i = 0; i < signs.size() && surface.count() > 0; ++i) {
@@ -93,7 +93,8 @@ Eigen::VectorXd signs_along_normal(const Structure& structure, const ChannelSide
     (surface.places.rowwise() - side.places.row(i)).rowwise().squaredNorm().minCoeff(&nearest);
     const auto own = side.shapes.row(i);
     const auto there = surface.shapes.row(nearest);
-    if (own.dot(there) < kAgainst * own.norm() * there.norm()) signs(i) = -1.0;
+    const double most = own.norm() * there.norm();
+    if (own.dot(there) < -kConstants.against_normal * most) signs(i) = -1.0;
   }
   return signs;
 }
