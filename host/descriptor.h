@@ -31,7 +31,6 @@ class Descriptor {
   Descriptor& operator=(Descriptor&&) = delete;
 
   [[nodiscard]] int number() const { return number_; }
-  [[nodiscard]] int release() { return std::exchange(number_, -1); }
   [[nodiscard]] int close() {
     const int closing = std::exchange(number_, -1);
     return closing < 0 ? 0 : ::close(closing);

@@ -7,7 +7,6 @@
 #include <cerrno>
 
 #include "base/error.h"
-#include "host/descriptor.h"
 #include "host/unless_interrupted.h"
 
 namespace chladni {
@@ -24,21 +23,18 @@ namespace {
 
 }  // namespace
 
-InputFile::InputFile(const std::filesystem::path& file) : name_(file.string()) {
-  // O_NONBLOCK: opening a pipe without a writer must not wait.
-  Descriptor source(open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+// O_NONBLOCK: opening a pipe without a writer must not wait.
+InputFile::InputFile(const std::filesystem::path& file)
+    : name_(file.string()), source_(open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {
   struct stat status = {};
-  if (source.number() < 0 || fstat(source.number(), &status) != 0) refuse_for(name_, errno);
+  if (source_.number() < 0 || fstat(source_.number(), &status) != 0) refuse_for(name_, errno);
   if (S_ISDIR(status.st_mode)) refuse_file(name_, "is a folder");
   if (!S_ISREG(status.st_mode)) refuse_file(name_, "is not a regular file");
   size_ = static_cast<std::size_t>(status.st_size);
-  number_ = source.release();
 }
 
-InputFile::~InputFile() { static_cast<void>(::close(number_)); }
-
 std::size_t InputFile::read(char* room, std::size_t size) {
-  const auto count = unless_interrupted([&] { return ::read(number_, room, size); });
+  const auto count = unless_interrupted([&] { return ::read(source_.number(), room, size); });
   if (count < 0) refuse_for(name_, errno);
   return static_cast<std::size_t>(count);
 }

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <string>
 
+#include "host/descriptor.h"
+
 namespace chladni {
 
 class InputFile {
@@ -12,11 +14,6 @@ class InputFile {
   /// @throws InvalidInput    the file does not exist, is not a regular file or cannot be read
   /// @throws OutOfResources  the machine fails
   explicit InputFile(const std::filesystem::path& file);
-  ~InputFile();
-  InputFile(const InputFile&) = delete;
-  InputFile& operator=(const InputFile&) = delete;
-  InputFile(InputFile&&) = delete;
-  InputFile& operator=(InputFile&&) = delete;
 
   [[nodiscard]] std::size_t size() const { return size_; }  ///< when it was opened [bytes]
   /// Puts next bytes into `room`, and returns their number: 0 at the end alone.
@@ -25,7 +22,7 @@ class InputFile {
 
  private:
   std::string name_;
-  int number_ = -1;
+  Descriptor source_;
   std::size_t size_ = 0;
 };
 
