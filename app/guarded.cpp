@@ -1,6 +1,5 @@
 #include "app/guarded.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <new>
@@ -11,23 +10,13 @@
 #include "app/exit_code.h"
 #include "base/error.h"
 #include "base/interrupt.h"
+#include "host/descriptor.h"
 #include "show/excerpt.h"
 #include "show/version.h"
 #include "stage/remedies.h"
 
 namespace chladni::app {
 namespace {
-
-/// Whether the machine fails, and not the path.
-bool is_shortage(const std::error_code& code) {
-  constexpr std::errc kinds[] = {std::errc::not_enough_memory,
-                                 std::errc::no_space_on_device,
-                                 std::errc::io_error,
-                                 std::errc::file_too_large,
-                                 std::errc::too_many_files_open,
-                                 std::errc::too_many_files_open_in_system};
-  return std::ranges::any_of(kinds, [&](std::errc kind) { return code == kind; });
-}
 
 /// Tells errors in a style. Each gives its exit code.
 struct ErrorTeller {
@@ -46,7 +35,7 @@ struct ErrorTeller {
 
   [[nodiscard]] int of_path(const std::filesystem::filesystem_error& e) const {
     const auto what = (e.path1().empty() ? "" : e.path1().string() + ": ") + e.code().message();
-    if (is_shortage(e.code())) return (*this)(what, kOutOfResources);
+    if (is_shortage(e.code().value())) return (*this)(what, kOutOfResources);
     return (*this)(what + "; expected a path that can be used", kInvalidInput);
   }
 
