@@ -88,19 +88,19 @@ class Merge {
     for (const auto& element : own.elements) {
       const auto name = element_name(element);
       const auto at = std::ranges::find(base.elements, name, element_name);
-      if (is_removed(element) && removed_ == Removed::kept && at != base.elements.end()) {
+      const bool is_new = at == base.elements.end();
+      // One that is not there may be of an array: expand_arrays finds it.
+      const bool stays = removed_ == Removed::kept || (has_arrays && is_new);
+      if (is_new && (stays || !is_removed(element))) {
+        base.elements.push_back(element);
+      } else if (is_removed(element) && stays) {
         *at = element;
-      } else if (is_removed(element) && at == base.elements.end() &&
-                 (has_arrays || removed_ == Removed::kept)) {
-        base.elements.push_back(element);  // of an array, perhaps: expand_arrays finds it
       } else if (is_removed(element)) {
-        require(at != base.elements.end(),
+        require(!is_new,
                 fmt::format("{}:{}:{}: {} \"{}\" is to be removed, but the study that is extended "
                             "has none of that name",
                             file_, element.line, element.column, key, name));
         base.elements.erase(at);
-      } else if (at == base.elements.end()) {
-        base.elements.push_back(element);
       } else {
         tables(*at, element);
       }
