@@ -37,9 +37,8 @@ struct CellCount {
 
 /// Linear tetrahedra of `surface`. The mesh keeps the surface's patches; nodes are sorted in space.
 /// The volume is compared with the surface's, and every cell is checked.
-/// @throws InvalidInput   the surface cannot be meshed (the report's text), or the edge length
-/// makes
-///                        more than 30 million cells: a slip of a unit
+/// @throws InvalidInput   the surface cannot be meshed (the report's text), or the edge
+///                        length makes more than 30 million cells: a slip of a unit
 /// @throws WorkerDied     TetGen aborted, crashed, hung or ran out of memory; says what to do
 /// @throws NumericalFailure  the volume of the cells is not that of the surface
 [[nodiscard]] TetMesh tetrahedralize(const Surface& surface, const MesherOptions& options,

@@ -34,8 +34,7 @@ inline constexpr int kLoopDraws = 20;
 /// Cost: for each draw the sampling of the model and the solutions of two systems of all states on
 /// 60 lines and five at each resonance of the loop.
 /// @throws InvalidInput  no mode lies far below the bandwidth; actuators or sensors that do not
-/// tell
-///                       the axes apart; a bandwidth above a tenth of the sample rate
+///                       tell the axes apart; a bandwidth above a tenth of the sample rate
 [[nodiscard]] LoopTrial loop_trial(const study::Study& study, const Observer& observer,
                                    stage::Work& work);
 

@@ -45,9 +45,8 @@ std::string slurm_script(const ScriptPlan& plan) {
   return fmt::format(
       "#!/bin/bash\n"
       "# {} variants of a sweep. Submit it with: sbatch sweep.sbatch\n"
-      "# What is done is never done again: submit it again after tasks were killed. What failed "
-      "runs\n"
-      "# again only with --retry.\n"
+      "# What is done is never done again: submit it again after tasks were killed.\n"
+      "# What failed runs again only with --retry.\n"
       "#SBATCH --job-name={}\n"
       "#SBATCH --array=1-{}\n"
       "#SBATCH --cpus-per-task={}\n"

@@ -22,8 +22,7 @@ constexpr Index kMostShownLines = 1500;
 constexpr std::size_t kFewestChoices = 4;
 constexpr int kGreyDots = 6;
 
-// The mean of the logarithms of the responses at each line; NaN where none is measured or all are
-// 0.
+// The mean of the logarithms of the responses at each line; NaN where all are 0 or not measured.
 Eigen::VectorXd levels_of(const std::vector<OneResponse>& responses, Index lines) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(lines);
   Eigen::VectorXd count = Eigen::VectorXd::Zero(lines);

@@ -123,8 +123,7 @@ void set_structure(const study::Study& study, stage::Work& work, Bench& bench) {
     bench.notes.push_back(fmt::format(
         "the model ends with its mode at {:.6g} Hz and the band at {:.6g} Hz: the responses lack "
         "the modes from there on; modes.up_to = \"{:.3g} Hz\" has those of the band and what is "
-        "left "
-        "of the next ones",
+        "left of the next ones",
         last, high, 2.0 * high));
   }
   if (!plan.controlled.empty()) set_loop(study, model, bench);

@@ -1,11 +1,9 @@
 // The study's plan and structure as the room `placement` takes them.
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "base/error.h"
 #include "mesh/surface.h"
-#include "stage/points_on_body.h"
+#include "steps/observer/stated.h"
 #include "steps/placement/placing.h"
 
 namespace chladni::steps {
@@ -37,12 +35,7 @@ Eigen::MatrixXd shapes_of_interest(const study::Study& study, const stage::Solut
   const auto& finder = sampler.finder();
   std::vector<mesh::Site> points;
   for (const auto& place : plan.interest) {
-    const auto site = stage::site_at(finder, place);
-    require(site && site->distance <= stage::kOnTheBody,
-            fmt::format(
-                "{}:{}: a point of interest is not on the body{}", study.file.string(), place.line,
-                site ? fmt::format(", which is {:.3g} mm away", 1e3 * site->distance) : ""));
-    points.push_back(*site);
+    points.push_back(site_of(study, finder, place, "a point of interest"));
   }
   return sampler.at(points).shapes;
 }
