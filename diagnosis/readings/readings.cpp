@@ -39,10 +39,12 @@ struct Reading {
 
 VectorXd delays_of(const Observed& observed) {
   const double period = 2.0 * std::numbers::pi / observed.omega(observed.line_count() - 1);
-  const auto steps = static_cast<Index>(std::round(kChosen.longest_delay / kChosen.delay_step));
+  const double range = kChosen.longest_delay - kChosen.shortest_delay;
+  const auto steps = static_cast<Index>(std::round(range / kChosen.delay_step)) + 1;
   VectorXd delays(2 * steps);
   for (Index n = 0; n < steps; ++n) {
-    const double by = static_cast<double>(n + 1) * kChosen.delay_step * period;
+    const double by =
+        (kChosen.shortest_delay + static_cast<double>(n) * kChosen.delay_step) * period;
     delays(2 * n) = by;
     delays(2 * n + 1) = -by;
   }

@@ -13,9 +13,10 @@ struct ReadingNumbers {
   /// [1] BandPair::distance at most, in the median over a channel's responses, of a reading that is
   /// believed: then the model explains three quarters of the averages. Chosen.
   double most_distance = 0.25;
-  /// [periods] Step of the delays that are tried, and the longest, at the highest line. Chosen: a
-  /// fit goes on from a tenth of a turn.
-  double delay_step = 0.05, longest_delay = 1.0;
+  /// [periods] Delays that are tried, at the highest line: from the shortest to the longest, and
+  /// their step. Chosen: a fit goes on from a tenth of a turn, and modes that are off by 2 % may
+  /// look like a delay of 0.05.
+  double shortest_delay = 0.15, longest_delay = 1.0, delay_step = 0.05;
   /// [1] All frequencies of the model are also tried off by up to so much, in steps. Chosen: a
   /// modulus that is off by 25 %.
   double most_shift = 0.12, shift_step = 0.04;
