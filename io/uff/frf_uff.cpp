@@ -158,7 +158,7 @@ class Collector {
         continue;
       }
       const auto output = motion_scale(*function);
-      const auto input = force_scale(function->denominator, function->units);
+      const auto input = force_scale(function->reference, function->denominator, function->units);
       auto& known = of_output[static_cast<std::size_t>(i)];
       if (known && (known->kind != output.kind || known->unit != output.unit)) {
         fail(place(*function) +

@@ -94,6 +94,42 @@ UffScale rotation_scale(const UffAxis& axis, modal::FrfKind kind) {
   return scale;
 }
 
+// The unit of a label over N m: "N m", "Nm", "N-mm", "lbf in".
+std::optional<double> moment_of_label(std::string label) {
+  std::erase_if(label, [](char c) { return c == '(' || c == ')' || c == '[' || c == ']'; });
+  std::ranges::replace_if(
+      label, [](char c) { return c == '-' || c == '*' || c == '.'; }, ' ');
+  if (label.starts_with("Nm")) label.insert(1, " ");
+  try {
+    return unit_factor(label, "N m");
+  } catch (const InvalidInput&) {
+    return std::nullopt;  // another unit
+  }
+}
+
+// The scale of a moment. Many programs state a unit of force for all channels of a file.
+UffScale moment_scale(const UffAxis& axis, const std::optional<UffUnits>& units) {
+  UffScale scale;
+  const auto label = moment_of_label(axis.unit);
+  const auto force = force_unit(axis.unit);
+  const bool is_load = axis.type == 13 || axis.type == 9;
+  if (label || force || is_load) scale.unit = "N m";
+  if (scale.unit.empty()) {
+    if (axis.type == 0) scale.unit = axis.unit;  // another unit such as volts stays as it is
+  } else if (label) {
+    scale.factor = *label;
+  } else {
+    scale.factor = force.value_or(units ? units->force : 1.0) * (units ? units->length : 1.0);
+    if (!axis.unit.empty()) {
+      scale.note = "the unit " + shown(axis.unit) + " is none of a moment: values are taken as " +
+                   fmt::format("{:.6g} N m", scale.factor);
+    } else if (!units) {
+      scale.unit.clear();
+    }
+  }
+  return scale;
+}
+
 }  // namespace
 
 Eigen::Index UffChannels::number(const UffDof& dof, const std::string& name) {
@@ -165,7 +201,8 @@ UffScale motion_scale(const UffFunction& function) {
   return scale;
 }
 
-UffScale force_scale(const UffAxis& axis, const std::optional<UffUnits>& units) {
+UffScale force_scale(const UffDof& dof, const UffAxis& axis, const std::optional<UffUnits>& units) {
+  if (is_rotation(dof)) return moment_scale(axis, units);
   UffScale scale;
   if (const auto label = force_unit(axis.unit)) {
     scale.factor = *label;

@@ -45,8 +45,10 @@ struct UffScale {
 /// rotation is in rad, rad/s or rad/s^2: no unit of length scales it, and a study has no such
 /// channels.
 [[nodiscard]] UffScale motion_scale(const UffFunction& function);
-/// The scale of a force, from its label, else from dataset 164.
-[[nodiscard]] UffScale force_scale(const UffAxis& axis, const std::optional<UffUnits>& units);
+/// The scale of a force at a degree of freedom, from its label, else from dataset 164. At a
+/// rotation it is a moment, in N m.
+[[nodiscard]] UffScale force_scale(const UffDof& dof, const UffAxis& axis,
+                                   const std::optional<UffUnits>& units);
 
 /// The channel as a degree of freedom, at its node or else at node `otherwise`.
 [[nodiscard]] UffDof dof_of(const modal::MeasuredChannel& channel, long long otherwise);

@@ -37,12 +37,15 @@ int direction_of(const UffLines& lines, std::string_view word) {
 constexpr std::array<std::size_t, 5> kFilled{0, 2, 5, 6, 8};  // whole numbers in record 6
 constexpr std::array<std::size_t, 11> kDegreeColumns{0, 5, 15, 20, 30, 41, 51, 55, 66, 76, 80};
 
-// Whether a line has the columns 2(I5,I10), 2(1X,10A1,I10,I4).
+// Whether no field of a line in the columns 2(I5,I10), 2(1X,10A1,I10,I4) touches the next one.
+bool fields_are_apart(std::string_view line) {
+  return std::ranges::none_of(std::array<std::size_t, 5>{5, 15, 20, 51, 76},
+                              [&](std::size_t at) { return cuts(line, at); });
+}
+
+// Whether the columns of a line have whole numbers where the form wants them.
 bool keeps_columns(std::string_view line) {
   if (line.size() <= 66) return false;
-  for (const std::size_t at : {5, 15, 20, 51, 76}) {
-    if (cuts(line, at)) return false;
-  }
   return std::all_of(kFilled.begin(), kFilled.end(), [&](std::size_t field) {
     const auto from = kDegreeColumns[field];
     return integer_in(trimmed(columns(line, from, kDegreeColumns[field + 1] - from))).has_value();
@@ -51,9 +54,12 @@ bool keeps_columns(std::string_view line) {
 
 // The ten fields of record 6, by columns, or by blanks where a program did not keep the columns.
 std::vector<std::string_view> degree_fields(const UffLines& lines, std::string_view line) {
-  if (!keeps_columns(line)) {
+  const bool keeps = keeps_columns(line);
+  if (!keeps || !fields_are_apart(line)) {
     auto words = words_of(line);
     if (words.size() == 10) return words;
+  }
+  if (!keeps) {
     lines.fail("found " + shown(trimmed(line)) +
                ", expected the function type, three numbers, and name, node and direction of "
                "response and reference");

@@ -144,8 +144,9 @@ void UffRecordings::take(std::size_t f) {
   const Side side = side_of(function, name, options_);
   auto& all = channels(side);
   auto found = std::find_if(all.begin(), all.end(), [&](const auto& c) { return c.name == name; });
-  const auto scale = side == Side::output ? motion_scale(function)
-                                          : force_scale(function.ordinate, function.units);
+  const auto scale = side == Side::output
+                         ? motion_scale(function)
+                         : force_scale(function.response, function.ordinate, function.units);
   if (found == all.end()) {
     modal::MeasuredChannel channel;
     channel.name = name;

@@ -28,6 +28,12 @@ bool is_even(const Eigen::VectorXd& x, double tolerance) {
   return step > 0.0;
 }
 
+void require_columns(long long number, std::size_t columns, const std::string& what) {
+  const std::string text = fmt::to_string(number);
+  require(text.size() <= columns, "UFF has " + fmt::to_string(columns) + " columns for " + what +
+                                      "; " + text + " does not fit");
+}
+
 std::string degree(const UffDof& dof) {
   const std::string entity = dof.entity.empty() ? "NONE" : dof.entity.substr(0, 10);
   return fmt::format(" {:<10}{:10}{:4}", entity, dof.node, dof.direction);
@@ -86,6 +92,11 @@ std::string text_values(const UffFunction& function, bool even) {
 std::string uff_dataset(const UffFunction& function, UffEncoding encoding) {
   require(function.x.size() == function.y.size() && function.x.size() > 0,
           "UFF: a function without values, or with other abscissas than values");
+  require_columns(function.version, 5, "the number of a realisation");
+  require_columns(function.load_case, 10, "the number of an experiment");
+  for (const auto* dof : {&function.response, &function.reference}) {
+    require_columns(dof->node, 10, "the number of a node");
+  }
   const bool binary = encoding == UffEncoding::binary;
   const bool even = is_even(function.x, binary ? 0.0 : 1e-12);  // binary data are exact
   std::string head;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -85,6 +86,38 @@ TEST(FrfUff, RotationsAreInRadians) {
     EXPECT_EQ(time.data.outputs[0].unit, c.si);
     EXPECT_NEAR(time.data.records[0].outputs(0, 0), 1.5 * c.factor, 1e-9);
     EXPECT_EQ(static_cast<int>(time.notes.size()), c.notes) << testing::PrintToString(time.notes);
+  }
+}
+
+// A force at a rotation is a moment. The file of dataset 164 is in mm and mN.
+TEST(FrfUff, ForcesAtRotationsAreMoments) {
+  struct Case {
+    const char *unit, *si;
+    double factor;  // SI value of 1
+    bool with_164;
+    int notes;
+  };
+  const Case cases[] = {
+      {"NONE", "N m", 1e-6, true, 0},  // mN mm
+      {"N-mm", "N m", 1e-3, true, 0}, {"Nm", "N m", 1.0, true, 0},
+      {"N", "N m", 1e-3, true, 1},  // of the file: lengths are those of the dataset, and it is said
+      {"N", "N m", 1.0, false, 1},    {"lbf in", "N m", 0.1129848290276167, false, 0},
+      {"NONE", "", 1.0, false, 0},
+  };
+  for (const auto& c : cases) {
+    Sample58 sample;
+    sample.input_unit = c.unit;
+    sample.reference_direction = 5;
+    sample.unit = "m/s^2";
+    SCOPED_TRACE(c.unit);
+    const auto bytes = (c.with_164 ? dataset_164(1000.0, 1000.0) : "") + dataset_58(sample);
+    const auto file = parse_frf_uff(bytes, "t.uff");
+    EXPECT_EQ(file.set.inputs[0].unit, c.si);
+    EXPECT_NEAR(file.set.value[0](0, 0).real() * c.factor, 1.5, 1e-9);
+    const auto said = std::ranges::count_if(file.notes, [](const std::string& note) {
+      return note.find("of a moment") != std::string::npos;
+    });
+    EXPECT_EQ(said, c.notes) << testing::PrintToString(file.notes);
   }
 }
 

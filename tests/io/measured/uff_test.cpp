@@ -159,6 +159,20 @@ TEST(Uff, NumbersRunOnAsFortranWritesThem) {
   EXPECT_EQ(all(""), Numbers{});
 }
 
+// A number of more columns would shift all that stand behind it.
+TEST(Uff, NumbersWithoutColumnsAreNotWritten) {
+  UffFunction function;
+  function.x = Eigen::VectorXd::Ones(1);
+  function.y = Eigen::VectorXcd::Ones(1);
+  function.version = 99'999;
+  EXPECT_EQ(parse_uff(uff_dataset(function, UffEncoding::text), "t").functions[0].version, 99'999);
+  function.version = 100'000;
+  EXPECT_THROW((void)uff_dataset(function, UffEncoding::text), InvalidInput);
+  function.version = 1;
+  function.reference.node = 10'000'000'000;
+  EXPECT_THROW((void)uff_dataset(function, UffEncoding::text), InvalidInput);
+}
+
 TEST(Uff, BlankLinesAndAMissingEndAreTolerated) {
   Sample58 sample;
   const auto bytes = dataset_58(sample);
