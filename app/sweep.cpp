@@ -67,8 +67,9 @@ std::vector<long long> wanted(const SweepCommand& command, long long size) {
   return list;
 }
 
-void show_list(const sweep::Sweep& sweep, std::ostream& results) {
-  for (long long i = 0; i < sweep.size(); ++i) {
+void show_list(const sweep::Sweep& sweep, const std::vector<long long>& list,
+               std::ostream& results) {
+  for (const auto i : list) {
     const auto entry = sweep.entry(i);
     results << fmt::format("{:>6} {} {:<6} {}\n", i + 1, entry.hash, sweep::state(entry.record),
                            fmt::join(entry.labels, ", "));
@@ -97,9 +98,15 @@ void leave_scripts(const SweepCommand& command, const sweep::Sweep& sweep, std::
                                .flags = flags_of(command)};
   write_atomically(folder / "sweep.sbatch", sweep::slurm_script(plan));
   write_atomically(folder / "sweep.mk", sweep::makefile(plan));
+  const auto sbatch = (folder / "sweep.sbatch").string();
+  const auto make = (folder / "sweep.mk").string();
+  if (command.json) {
+    results << io::text(
+        io::JsonObject{{"variants", sweep.size()}, {"sbatch", sbatch}, {"makefile", make}});
+    return;
+  }
   results << fmt::format("{} variants\nsbatch {}\nmake -k -j 8 -f {}\nchladni gather {} -o {}\n",
-                         sweep.size(), (folder / "sweep.sbatch").string(),
-                         (folder / "sweep.mk").string(), command.plan.string(), folder.string());
+                         sweep.size(), sbatch, make, command.plan.string(), folder.string());
 }
 
 struct Tally {
@@ -155,11 +162,15 @@ void leave_gathered(const SweepCommand& command, const sweep::Sweep& sweep, std:
 int sweep(const SweepCommand& command, std::ostream& results, std::ostream& said,
           const Progress& progress) {
   const sweep::Sweep sweep(study::read_sweep(command.plan), options_of(command));
+  const auto list = wanted(command, sweep.size());
   if (command.list) {
-    show_list(sweep, results);
+    if (command.json) {
+      results << io::text(sweep::json(sweep, list));
+    } else {
+      show_list(sweep, list, results);
+    }
     return 0;
   }
-  const auto list = wanted(command, sweep.size());
   if (command.run.empty()) sweep.check();  // before the first one is solved
   if (command.scripts) {
     leave_scripts(command, sweep, results);
@@ -167,7 +178,10 @@ int sweep(const SweepCommand& command, std::ostream& results, std::ostream& said
   }
   Tally tally;
   run_all(command, sweep, list, tally, said, progress);
-  if (!command.run.empty()) return tally.exit_code();
+  if (!command.run.empty()) {
+    if (command.json) results << io::text(sweep::json(sweep, list));
+    return tally.exit_code();
+  }
   if (tally.elsewhere > 0) {
     said << fmt::format("{} variants are run by another sweep; gather again when it has ended\n",
                         tally.elsewhere.load());

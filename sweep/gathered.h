@@ -35,6 +35,9 @@ struct Gathered {
 [[nodiscard]] std::string text(const Sweep& sweep, const Gathered& gathered);
 /// Every variant: its number, state, axes, results and folder. JSON, and CSV with a head.
 [[nodiscard]] io::Json json(const Sweep& sweep, const Gathered& gathered);
+/// These variants, counted from 0, with their axes and states, and without results. Cost: as
+/// `entry` of each. @throws InvalidInput  as `Sweep::entry`
+[[nodiscard]] io::Json json(const Sweep& sweep, const std::vector<long long>& which);
 [[nodiscard]] std::string csv(const Sweep& sweep, const Gathered& gathered);
 /// sweep.json, table.csv and, with `pictures`, sweep.png: each result over each axis of numbers,
 /// and the first two results that are compared, with the front.

@@ -203,6 +203,19 @@ io::Plot front_picture(const Sweep& sweep, const Gathered& gathered) {
   return plot;
 }
 
+io::JsonObject json_of_entry(const Sweep& sweep, const Entry& entry) {
+  io::JsonObject axes;
+  for (std::size_t a = 0; a < sweep.plan().axes.size(); ++a) {
+    axes.emplace_back(sweep.plan().axes[a].name, entry.labels[a]);
+  }
+  return {{"variant", entry.index + 1},
+          {"state", state(entry.record)},
+          {"axes", std::move(axes)},
+          {"folder", "variants/" + entry.hash},
+          {"error", entry.record ? io::Json(entry.record->error) : io::Json()},
+          {"seconds", json_of_seconds(entry.record)}};
+}
+
 }  // namespace
 
 std::string text(const Sweep& sweep, const Gathered& gathered) {
@@ -240,27 +253,27 @@ std::string text(const Sweep& sweep, const Gathered& gathered) {
   return out;
 }
 
+io::Json json(const Sweep& sweep, const std::vector<long long>& which) {
+  io::JsonArray variants;
+  for (const auto index : which) variants.emplace_back(json_of_entry(sweep, sweep.entry(index)));
+  return io::JsonObject{{"chladni", show::version()},
+                        {"title", sweep.plan().title},
+                        {"verb", sweep.plan().verb},
+                        {"variants", std::move(variants)}};
+}
+
 io::Json json(const Sweep& sweep, const Gathered& gathered) {
   const auto& plan = sweep.plan();
   io::JsonArray variants;
   for (const auto& row : gathered.rows) {
-    io::JsonObject axes;
     io::JsonObject results;
-    for (std::size_t a = 0; a < plan.axes.size(); ++a) {
-      axes.emplace_back(plan.axes[a].name, row.entry.labels[a]);
-    }
     for (std::size_t r = 0; r < plan.results.size(); ++r) {
       results.emplace_back(plan.results[r].name, row.results(static_cast<Eigen::Index>(r)));
     }
-    variants.emplace_back(
-        io::JsonObject{{"variant", row.entry.index + 1},
-                       {"state", state(row.entry.record)},
-                       {"axes", axes},
-                       {"results", results},
-                       {"on_front", row.on_front},
-                       {"folder", "variants/" + row.entry.hash},
-                       {"error", row.entry.record ? io::Json(row.entry.record->error) : io::Json()},
-                       {"seconds", json_of_seconds(row.entry.record)}});
+    auto variant = json_of_entry(sweep, row.entry);
+    variant.emplace_back("results", std::move(results));
+    variant.emplace_back("on_front", row.on_front);
+    variants.emplace_back(std::move(variant));
   }
   return io::JsonObject{
       {"chladni", show::version()},     {"title", plan.title},       {"verb", plan.verb},

@@ -56,6 +56,28 @@ TEST_F(SweepVerbs, SolveEachVariantOnceAndGather) {
   EXPECT_EQ(io::parse_json(gathered.out).at("done").number(), 3.0);
 }
 
+// --json says what each kind of call has to say.
+TEST_F(SweepVerbs, ListsRunsAndScriptsAreJsonToo) {
+  const auto file = plan("\"4 mm\", \"5 mm\"").string();
+  const auto json = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"sweep", file, "-o", "out", "--json"});
+    const auto done = run(arguments);
+    EXPECT_EQ(done.status, 0) << done.err;
+    return io::parse_json(done.out);
+  };
+  const auto open = json({"--list"});
+  ASSERT_EQ(open.at("variants").array().size(), 2U);
+  EXPECT_EQ(open.at("variants").array()[1].at("state").string(), "open");
+  const auto ran = json({"--run", "2"});
+  ASSERT_EQ(ran.at("variants").array().size(), 1U);
+  EXPECT_EQ(ran.at("variants").array()[0].at("variant").number(), 2.0);
+  EXPECT_EQ(ran.at("variants").array()[0].at("state").string(), "done");
+  EXPECT_EQ(json({"--list"}).at("variants").array()[1].at("axes").at("thickness").string(), "5 mm");
+  const auto scripts = json({"--scripts"});
+  EXPECT_EQ(scripts.at("variants").number(), 2.0);
+  EXPECT_TRUE(fs::exists(folder_ / scripts.at("sbatch").string()));
+}
+
 TEST_F(SweepVerbs, ReproducibleOnesLeaveTheSameBytes) {
   const auto file = plan("\"4 mm\", \"5 mm\"").string();
   const auto left = [&](const std::string& threads) {
