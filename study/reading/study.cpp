@@ -10,7 +10,7 @@
 #include "study/extends.h"
 #include "study/named_materials.h"
 #include "study/schemas.h"
-#include "study/tables/known.h"
+#include "study/schemas/known.h"
 #include "study/tables/tables.h"
 #include "study/toml/toml_text.h"
 

@@ -1,4 +1,4 @@
-#include "study/tables/known.h"
+#include "study/schemas/known.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -4,7 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "study/device_arrays.h"
-#include "study/tables/known.h"
+#include "study/schemas/known.h"
 #include "study/tables/rows.h"
 
 namespace chladni::study {
