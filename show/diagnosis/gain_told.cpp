@@ -127,18 +127,15 @@ std::vector<std::string> gain_lines(const steps::Diagnosed& one) {
     lines.push_back(fmt::format("extended.toml alone: off by {} fitted{}",
                                 percent(gain.fit_extended), held_out));
   }
-  if (std::isfinite(gain.frequencies_after)) {
+  const auto add_of_modes = [&](const char* what, double before, double after) {
+    if (!std::isfinite(after)) return;
     lines.push_back(fmt::format(
-        "the model's errors put resonances beside each other, so frequencies count as well: off by "
-        "{} before, {} after",
-        percent(gain.frequencies_before), percent(gain.frequencies_after)));
-  }
-  if (std::isfinite(gain.shapes_after)) {
-    lines.push_back(fmt::format(
-        "the model's errors put resonances beside each other, so shapes count as well: off by {} "
+        "the model's errors put resonances beside each other, so {} count as well: off by {} "
         "before, {} after",
-        percent(gain.shapes_before), percent(gain.shapes_after)));
-  }
+        what, percent(before), percent(after)));
+  };
+  add_of_modes("frequencies", gain.frequencies_before, gain.frequencies_after);
+  add_of_modes("shapes", gain.shapes_before, gain.shapes_after);
   const auto& tested = one.result.cross_validation;
   const bool is_unseen = tested || !gain.held_out.empty();
   if (steps::is_of_modes(one) && is_changed(gain) && !is_unseen) {
@@ -188,8 +185,8 @@ io::JsonObject gain_json(const steps::Diagnosed& one) {
                                                     {"after", gain.frequencies_after}});
   }
   if (std::isfinite(gain.shapes_after)) {
-    json.emplace_back("shapes", io::JsonObject{{"before", gain.shapes_before},
-                                               {"after", gain.shapes_after}});
+    json.emplace_back("shapes",
+                      io::JsonObject{{"before", gain.shapes_before}, {"after", gain.shapes_after}});
   }
   const auto& tested = one.result.cross_validation;
   if (tested) json.emplace_back("cross_validation", cross_validation_json(*tested));

@@ -58,14 +58,14 @@ MatrixXd known_part(const Series& series) {
   return known;
 }
 
+}  // namespace
+
 // Objective at some levels, and what a step of Fisher's scoring needs.
-struct Scored {
+struct JointModel::Scored {
   double value = HUGE_VAL;  // −ln of likelihood and prior, without constants
   VectorXd weighted, gradient;
   MatrixXd inverse, information;
 };
-
-}  // namespace
 
 JointModel::JointModel(const Series& series, bool learned) : series_(series) {
   const auto c = static_cast<Index>(series.constants.size());
@@ -150,52 +150,57 @@ MatrixXd JointModel::slope(const VectorXd& ln_levels, Index level) const {
   return twice(level) * (group_[c] + 0.5 * twice(ratio_level()) * body_[c]);
 }
 
+// @param more  the columns that a supposition adds, times their transpose
+JointModel::Scored JointModel::scored(const MatrixXd& more, const VectorXd& x) const {
+  Scored result;
+  const Eigen::LLT<MatrixXd> factor(MatrixXd(covariance(x) + more));
+  if (factor.info() != Eigen::Success) return result;
+  const VectorXd off = (x - usual_).cwiseQuotient(width_);
+  result.weighted = factor.solve(series_.error);
+  result.value = 0.5 * series_.error.dot(result.weighted) +
+                 factor.matrixLLT().diagonal().array().log().sum() + 0.5 * off.squaredNorm();
+  result.inverse = dense::inverse_of(factor);
+  return result;
+}
+
+// Gradient and Fisher's information of the objective at x.
+void JointModel::add_slopes(const VectorXd& x, Scored& here) const {
+  if (!std::isfinite(here.value)) return;
+  std::vector<MatrixXd> parts;
+  here.gradient = (x - usual_).cwiseQuotient(width_).cwiseQuotient(width_);
+  for (Index j = 0; j < x.size(); ++j) {
+    const MatrixXd d = slope(x, j);
+    parts.emplace_back(here.inverse * d);
+    here.gradient(j) += 0.5 * parts.back().trace() - 0.5 * here.weighted.dot(d * here.weighted);
+  }
+  here.information = width_.cwiseAbs2().cwiseInverse().asDiagonal();
+  for (Index j = 0; j < x.size(); ++j) {
+    for (Index k = 0; k <= j; ++k) {
+      const double both = 0.5 * parts[at(j)].cwiseProduct(parts[at(k)].transpose()).sum();
+      here.information(j, k) += both;
+      if (k < j) here.information(k, j) += both;
+    }
+  }
+}
+
 JointFit JointModel::fitted(const Supposition& supposed, const VectorXd& start) const {
   const MatrixXd more = outer(columns(supposed));
-  const auto off = [&](const VectorXd& x) -> VectorXd {
-    return (x - usual_).cwiseQuotient(width_);
-  };
-  const auto scored = [&](const VectorXd& x, bool with_slopes) {
-    Scored result;
-    const Eigen::LLT<MatrixXd> factor(MatrixXd(covariance(x) + more));
-    if (factor.info() != Eigen::Success) return result;
-    const Index n = series_.count();
-    result.weighted = factor.solve(series_.error);
-    result.value = 0.5 * series_.error.dot(result.weighted) +
-                   factor.matrixLLT().diagonal().array().log().sum() + 0.5 * off(x).squaredNorm();
-    if (!with_slopes) return result;
-    result.inverse = dense::inverse_of(factor);
-    std::vector<MatrixXd> parts;
-    result.gradient = off(x).cwiseQuotient(width_);
-    for (Index j = 0; j < x.size(); ++j) {
-      const MatrixXd d = slope(x, j);
-      parts.emplace_back(result.inverse * d);
-      result.gradient(j) +=
-          0.5 * parts.back().trace() - 0.5 * result.weighted.dot(d * result.weighted);
-    }
-    result.information = width_.cwiseAbs2().cwiseInverse().asDiagonal();
-    for (Index j = 0; j < x.size(); ++j) {
-      for (Index k = 0; k <= j; ++k) {
-        const double both = 0.5 * parts[at(j)].cwiseProduct(parts[at(k)].transpose()).sum();
-        result.information(j, k) += both;
-        if (k < j) result.information(k, j) += both;
-      }
-    }
-    return result;
-  };
   VectorXd x = start.size() == usual_.size() ? start : usual_;
-  Scored here = scored(x, true);
+  Scored here = scored(more, x);
+  add_slopes(x, here);
   double damping = 1e-2;
   for (int step = 0; step < kScoringSteps && std::isfinite(here.value); ++step) {
     MatrixXd damped = here.information;
     damped.diagonal() *= 1.0 + damping;
     const VectorXd by = -damped.ldlt().solve(here.gradient);
     const VectorXd there = (x + by.cwiseMin(1.0).cwiseMax(-1.0)).cwiseMin(at_most_);
-    const double fall = here.value - scored(there, false).value;
+    Scored next = scored(more, there);
+    const double fall = here.value - next.value;
     damping = fall > 0.0 ? 0.3 * damping : 8.0 * damping + 0.05;
     if (fall > 0.0) {
       x = there;
-      here = scored(x, true);
+      here = std::move(next);
+      add_slopes(x, here);
     }
     if (std::abs(fall) < 1e-4 || damping > 1e4) break;
   }

@@ -61,6 +61,9 @@ class JointModel {
   [[nodiscard]] double within_group(const JointFit& fit, std::size_t which) const;
 
  private:
+  struct Scored;
+  [[nodiscard]] Scored scored(const Eigen::MatrixXd& more, const Eigen::VectorXd& x) const;
+  void add_slopes(const Eigen::VectorXd& x, Scored& here) const;
   [[nodiscard]] Eigen::MatrixXd columns(const Supposition& supposed) const;
   [[nodiscard]] Eigen::MatrixXd covariance(const Eigen::VectorXd& ln_levels) const;
   [[nodiscard]] Eigen::MatrixXd slope(const Eigen::VectorXd& ln_levels, Eigen::Index level) const;
