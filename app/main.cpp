@@ -9,11 +9,11 @@
 #include <string_view>
 
 #include "app/command.h"
-#include "app/exit_code.h"
-#include "app/guarded.h"
-#include "app/option_values.h"
+#include "app/command_line/exit_code.h"
+#include "app/command_line/guarded.h"
+#include "app/command_line/option_values.h"
+#include "app/command_line/watch.h"
 #include "app/sweep.h"
-#include "app/watch.h"
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/text_stream.h"

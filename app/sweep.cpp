@@ -11,7 +11,7 @@
 #include <ostream>
 #include <vector>
 
-#include "app/exit_code.h"
+#include "app/command_line/exit_code.h"
 #include "base/error.h"
 #include "host/atomic_file.h"
 #include "host/parallel.h"

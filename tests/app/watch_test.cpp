@@ -3,7 +3,7 @@
 #include <csignal>
 #include <thread>
 
-#include "app/watch.h"
+#include "app/command_line/watch.h"
 #include "io/json.h"
 #include "tests/app/program.h"
 

@@ -1,4 +1,4 @@
-#include "app/guarded.h"
+#include "app/command_line/guarded.h"
 
 #include <filesystem>
 #include <iostream>
@@ -7,7 +7,7 @@
 #include <system_error>
 #include <vector>
 
-#include "app/exit_code.h"
+#include "app/command_line/exit_code.h"
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "host/descriptor.h"

@@ -1,4 +1,4 @@
-#include "app/watch.h"
+#include "app/command_line/watch.h"
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -8,7 +8,7 @@
 #include <system_error>
 #include <thread>
 
-#include "app/exit_code.h"
+#include "app/command_line/exit_code.h"
 #include "base/interrupt.h"
 
 namespace chladni::app {
