@@ -14,6 +14,7 @@
 #include "base/turn.h"
 #include "cluster/reply.h"
 #include "fem/given_modes.h"
+#include "host/file_lock.h"
 #include "host/worker.h"
 #include "io/matrix.h"
 
@@ -37,8 +38,10 @@ class Exchange {
               fmt::format(".ranks.{}-{}", getpid(), folders++);
     std::error_code fault;
     fs::create_directory(folder_, fault);
-    require(!fault,
-            folder_.string() + ": no such folder can be made for the ranks: " + fault.message());
+    if (fault) {
+      throw_path_error(fault.value(),
+                       folder_.string() + ": no such folder can be made for the ranks");
+    }
   }
   ~Exchange() {
     std::error_code ignored;

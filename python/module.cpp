@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "dense/blas.h"
+#include "host/descriptor.h"
 #include "host/parallel.h"
 #include "host/worker.h"
 #include "python/rooms.h"
@@ -46,8 +47,8 @@ void need_numpy() {
   }
 }
 
-// Turns Ctrl-C in a long call into Python's KeyboardInterrupt, and a path that cannot be used into
-// the InvalidInput that it is on the command line.
+// Turns Ctrl-C in a long call into Python's KeyboardInterrupt, and the error of a path into what it
+// is on the command line.
 void translate_others(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
@@ -55,9 +56,11 @@ void translate_others(std::exception_ptr thrown) {
     PyErr_SetString(PyExc_KeyboardInterrupt, stopped.what());
   } catch (const fs::filesystem_error& fault) {
     const std::string name = fault.path1().empty() ? "" : fault.path1().string() + ": ";
-    const auto invalid = py::module_::import("chladni._chladni").attr("InvalidInput");
-    PyErr_SetString(invalid.ptr(),
-                    (name + fault.code().message() + "; expected a path that can be used").c_str());
+    const bool lacks = is_shortage(fault.code().value());
+    const auto error =
+        py::module_::import("chladni._chladni").attr(lacks ? "OutOfResources" : "InvalidInput");
+    const auto* expected = lacks ? "" : "; expected a path that can be used";
+    PyErr_SetString(error.ptr(), (name + fault.code().message() + expected).c_str());
   }
 }
 

@@ -11,6 +11,7 @@
 #include "base/interrupt.h"
 #include "base/sha256.h"
 #include "host/atomic_file.h"
+#include "host/file_lock.h"
 #include "host/folder.h"
 #include "host/worker.h"
 #include "show/version.h"
@@ -60,9 +61,7 @@ std::string last_line(const std::string& text) {
 void make_folder(const fs::path& folder) {
   std::error_code fault;
   fs::create_directories(folder, fault);
-  if (fault) {
-    throw OutOfResources("cannot make the folder " + folder.string() + ": " + fault.message());
-  }
+  if (fault) throw_path_error(fault.value(), "cannot make the folder " + folder.string());
 }
 
 // `base` as seen from `folder`. A base that is a link stays one: its files lie beside the link.
@@ -156,7 +155,7 @@ Met Sweep::run(long long index, bool again) const {
     return {Outcome::found, entry.record, {}};
   make_folder(options_.folder / "variants" / ".locks");
   const VariantLock lock(options_.folder / "variants" / ".locks" / entry.hash);
-  if (!lock.is_held()) return {Outcome::elsewhere, {}, {}};
+  if (lock.is_elsewhere()) return {Outcome::elsewhere, {}, {}};
   if (!entry.record) {
     if (const auto ended = record_in(entry.folder)) return {Outcome::found, ended, {}};
   }

@@ -5,10 +5,12 @@
 
 namespace chladni::sweep {
 
-/// Tries to lock a file, and holds the lock until the end. A process that dies leaves none.
+/// Tries to lock a file, and holds the lock until the end. A process that dies leaves none. On a
+/// file system without locks there is none, and who shares a folder there solves some variants
+/// twice.
 class VariantLock {
  public:
-  /// @throws OutOfResources  the file cannot be made
+  /// @throws OutOfResources, InvalidInput  the file cannot be made
   explicit VariantLock(const std::filesystem::path& file);
   ~VariantLock();
   VariantLock(const VariantLock&) = delete;
@@ -16,12 +18,12 @@ class VariantLock {
   VariantLock(VariantLock&&) = delete;
   VariantLock& operator=(VariantLock&&) = delete;
 
-  /// False if another process holds it.
-  [[nodiscard]] bool is_held() const { return held_; }
+  /// Whether another process holds it.
+  [[nodiscard]] bool is_elsewhere() const { return is_elsewhere_; }
 
  private:
   int descriptor_ = -1;
-  bool held_ = false;
+  bool is_elsewhere_ = false;
 };
 
 }  // namespace chladni::sweep

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -13,11 +12,11 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "host/descriptor.h"
+#include "host/file_lock.h"
 
 namespace chladni::show {
 namespace {
-
-std::string reason(int error) { return std::generic_category().message(error); }
 
 /// True if the last holder removed the lock file after we opened it and before we locked it.
 bool is_stale(int descriptor) {
@@ -49,6 +48,9 @@ OutputFolder::OutputFolder(const std::filesystem::path& folder)
   std::error_code fault;
   std::filesystem::create_directories(folder, fault);
   std::error_code ignored;
+  if (is_shortage(fault.value())) {
+    throw_path_error(fault.value(), "cannot make the output folder " + folder.string());
+  }
   require(std::filesystem::is_directory(folder, ignored),
           "cannot make the output folder " + folder.string() + ": " +
               (fault ? fault.message() : "something else has that name") +
@@ -57,14 +59,12 @@ OutputFolder::OutputFolder(const std::filesystem::path& folder)
     if (descriptor_ >= 0) close(descriptor_);
     descriptor_ = open(lock_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
     const int error = errno;
-    if (descriptor_ < 0 &&
-        (error == EMFILE || error == ENFILE || error == ENOSPC || error == EIO)) {
-      throw OutOfResources("cannot write to the output folder " + folder.string() + ": " +
-                           reason(error));
+    if (descriptor_ < 0 && is_shortage(error)) {
+      throw_path_error(error, "cannot write to the output folder " + folder.string());
     }
     require(descriptor_ >= 0, "cannot write to the output folder " + folder.string() + ": " +
                                   reason(error) + "; choose another with -o");
-    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    if (tried_lock(descriptor_) == FileLock::elsewhere) {
       const std::string who = holder(descriptor_);
       close(descriptor_);
       throw InvalidInput("another run (process " + who + ") is writing to the output folder " +

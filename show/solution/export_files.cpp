@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "fem/given_modes.h"
 #include "host/atomic_file.h"
+#include "host/file_lock.h"
 #include "io/csv.h"
 #include "io/matrix.h"
 #include "mesh/site.h"
@@ -36,7 +37,7 @@ class NewFolder {
     fs::remove_all(part_, fault);  // of a run that was cut off
     fs::create_directory(part_, fault);
     if (fault) {
-      throw OutOfResources("cannot make the folder " + part_.string() + ": " + fault.message());
+      throw_path_error(fault.value(), "cannot make the folder " + part_.string());
     }
   }
   ~NewFolder() {

@@ -96,8 +96,8 @@ TEST(Sweep, AVariantThatAnotherProcessRunsIsLeftToIt) {
   fs::create_directories(locks);
   {
     const VariantLock other(locks / sweep.entry(2).hash);
-    ASSERT_TRUE(other.is_held());
-    EXPECT_FALSE(VariantLock(locks / sweep.entry(2).hash).is_held());
+    ASSERT_FALSE(other.is_elsewhere());
+    EXPECT_TRUE(VariantLock(locks / sweep.entry(2).hash).is_elsewhere());
     EXPECT_EQ(sweep.run(2).outcome, Outcome::elsewhere);
     EXPECT_EQ(folder.calls(), 0);
   }
@@ -170,7 +170,7 @@ TEST(Sweep, AFolderThatCannotBeMadeIsTold) {
   const SweepFolder folder("no_folder");
   write(folder.path() / "out", "a file");
   const Sweep sweep(folder.plan(), options_of(folder));
-  EXPECT_THROW(static_cast<void>(sweep.run(0)), OutOfResources);
+  EXPECT_THROW(static_cast<void>(sweep.run(0)), InvalidInput);
 }
 
 TEST(Sweep, LeavesATableAndJson) {
