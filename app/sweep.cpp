@@ -118,18 +118,44 @@ struct Tally {
   }
 };
 
-// Runs the variants, several at a time; each is a process of its own.
+// Another number of threads for the loops of this scope.
+class ThreadCount {
+ public:
+  explicit ThreadCount(int count) : before_(thread_count()) { set_thread_count(count); }
+  ~ThreadCount() { set_thread_count(before_); }
+  ThreadCount(const ThreadCount&) = delete;
+  ThreadCount& operator=(const ThreadCount&) = delete;
+  ThreadCount(ThreadCount&&) = delete;
+  ThreadCount& operator=(ThreadCount&&) = delete;
+
+ private:
+  int before_;
+};
+
+// Runs the variants, several at a time; each is a process of its own. No further one begins where
+// `progress` has thrown.
 void run_all(const SweepCommand& command, const sweep::Sweep& sweep,
              const std::vector<long long>& list, Tally& tally, std::ostream& said,
              const Progress& progress) {
-  const int cores = thread_count();
-  set_thread_count(std::max(1, command.jobs > 0 ? command.jobs : cores / command.threads));
+  const ThreadCount count(
+      std::max(1, command.jobs > 0 ? command.jobs : thread_count() / command.threads));
+  std::atomic<bool> stopped = false;
   std::mutex speaking;
   const auto tell_failure = [&](long long index, const std::string& what) {
     const std::scoped_lock lock(speaking);
     said << fmt::format("variant {}: {}\n", index + 1, what);
   };
+  const auto tell_progress = [&](long long ended) {
+    const std::scoped_lock lock(speaking);
+    try {
+      tell(progress, "sweeping", static_cast<double>(ended) / static_cast<double>(list.size()));
+    } catch (...) {
+      stopped = true;
+      throw;
+    }
+  };
   parallel_tasks(list.size(), [&](std::size_t i) {
+    if (stopped) return;
     const auto met = sweep.run(list[i], command.retry);
     if (met.outcome == sweep::Outcome::elsewhere) ++tally.elsewhere;
     if (met.outcome == sweep::Outcome::passing) {
@@ -139,11 +165,8 @@ void run_all(const SweepCommand& command, const sweep::Sweep& sweep,
       ++tally.failed;
       if (met.outcome == sweep::Outcome::ran) tell_failure(list[i], met.record->error);
     }
-    const auto ended = static_cast<double>(++tally.ended);
-    const std::scoped_lock lock(speaking);
-    tell(progress, "sweeping", ended / static_cast<double>(list.size()));
+    tell_progress(++tally.ended);
   });
-  set_thread_count(cores);
 }
 
 void leave_gathered(const SweepCommand& command, const sweep::Sweep& sweep, std::ostream& results) {
@@ -161,6 +184,8 @@ void leave_gathered(const SweepCommand& command, const sweep::Sweep& sweep, std:
 
 int sweep(const SweepCommand& command, std::ostream& results, std::ostream& said,
           const Progress& progress) {
+  require(command.threads >= 1, "a variant needs one thread or more");
+  require(command.jobs >= 0, "the number of variants at a time is negative; expected 1 or more");
   const sweep::Sweep sweep(study::read_sweep(command.plan), options_of(command));
   const auto list = wanted(command, sweep.size());
   if (command.list) {
@@ -178,13 +203,13 @@ int sweep(const SweepCommand& command, std::ostream& results, std::ostream& said
   }
   Tally tally;
   run_all(command, sweep, list, tally, said, progress);
-  if (!command.run.empty()) {
-    if (command.json) results << io::text(sweep::json(sweep, list));
-    return tally.exit_code();
-  }
   if (tally.elsewhere > 0) {
     said << fmt::format("{} variants are run by another sweep; gather again when it has ended\n",
                         tally.elsewhere.load());
+  }
+  if (!command.run.empty()) {
+    if (command.json) results << io::text(sweep::json(sweep, list));
+    return tally.exit_code();
   }
   leave_gathered(command, sweep, results);
   return tally.exit_code();

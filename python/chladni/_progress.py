@@ -10,6 +10,12 @@ _QUIET = 0.5  # [s]: a step that takes less shows no bar
 _WIDTH = 24
 
 
+def _on_terminal():
+    """Whether standard error is a terminal. It may be missing, or an object that only writes."""
+    asked = getattr(sys.stderr, "isatty", None)
+    return asked is not None and asked()
+
+
 def _in_notebook():
     shell = sys.modules.get("IPython")
     return shell is not None and type(shell.get_ipython()).__name__ == "ZMQInteractiveShell"
@@ -31,23 +37,27 @@ class Bar:
         if fraction is not None:
             full = round(_WIDTH * min(max(fraction, 0.0), 1.0))
             line = f"{step} [{'#' * full}{'.' * (_WIDTH - full)}] {100 * fraction:3.0f} % {seconds:.0f} s"
-        self._stream.write("\r" + line.ljust(self._drawn))
-        self._stream.flush()
+        self._write("\r" + line.ljust(self._drawn))
         self._drawn = len(line)
 
     def close(self):
         """Clears the line."""
         if self._drawn:
-            self._stream.write("\r" + " " * self._drawn + "\r")
-            self._stream.flush()
+            self._write("\r" + " " * self._drawn + "\r")
         self._drawn = 0
+
+    def _write(self, text):
+        if self._stream is None:
+            return
+        self._stream.write(text)
+        getattr(self._stream, "flush", lambda: None)()
 
 
 def listener(progress):
     """What a step tells of its progress: nothing if False; a bar if None, in a notebook and on a
     terminal; else the function that was given."""
     if progress is None:
-        return Bar() if _in_notebook() or sys.stderr.isatty() else None
+        return Bar() if _in_notebook() or _on_terminal() else None
     if progress is False:
         return None
     if progress is True:

@@ -1,11 +1,14 @@
 """The steps of the flow from Python: what the program leaves, and what is true."""
 import pathlib
+import sys
 import tempfile
 import unittest
+import unittest.mock
 import warnings
 
 import chladni
 import numpy as np
+from chladni import _progress
 from chladni._toml import toml_text
 from studies import (HIDDEN, SPRINGS, InFolder, channels, every_fourth_landing, plate,
                      said_by_program)
@@ -228,6 +231,48 @@ at = "frequency_hz.6"
             self.assertEqual(first, sorted(first))
             np.testing.assert_allclose(first[2] / first[0], 12 / 8, rtol=0.02)
             self.assertEqual(steps[-1], 1.0)
+
+    def test_what_stops_it_stops_it_at_once(self):
+        def stop(step, part):
+            calls.append(part)
+            raise RuntimeError("enough")
+
+        calls = []
+        threads = chladni.thread_count()
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            (folder / "base.toml").write_text(toml_text(plate(modes={"count": 3})))
+            (folder / "plan.toml").write_text(self.PLAN)
+            with self.assertRaisesRegex(RuntimeError, "enough"):
+                chladni.sweep(folder / "plan.toml", folder / "out", jobs=1, progress=stop)
+            self.assertEqual(len(calls), 1)
+            left = list((folder / "out" / "variants").glob("*/variant.json"))
+            self.assertEqual(len(left), 1)
+        self.assertEqual(chladni.thread_count(), threads)
+
+    def test_numbers_of_threads_and_jobs_are_checked(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            (folder / "base.toml").write_text(toml_text(plate(modes={"count": 3})))
+            (folder / "plan.toml").write_text(self.PLAN)
+            for wrong in ({"threads": 0}, {"threads": -1}, {"jobs": -1}):
+                with self.assertRaises(chladni.InvalidInput):
+                    chladni.sweep(folder / "plan.toml", folder / "out", **wrong)
+
+
+class Listeners(unittest.TestCase):
+    def test_standard_error_may_be_missing_or_poor(self):
+        class Poor:
+            def write(self, text):
+                return len(text)
+
+        for stream in (None, Poor()):
+            with unittest.mock.patch.object(sys, "stderr", stream):
+                self.assertIsNone(_progress.listener(None))
+                bar = _progress.listener(True)
+                bar._start -= 10
+                bar("meshing", 0.5)
+                bar.close()
 
 
 if __name__ == "__main__":
