@@ -1,8 +1,10 @@
 // The command line: one verb per step of the flow, one study file, one output folder.
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <functional>
 #include <iostream>
@@ -308,9 +310,22 @@ int answer(int argc, char** argv, show::Talk& talk) {
   return status;
 }
 
+// A parent may leave a standard stream closed; the next file would get its number, and what is
+// printed. So something stands there whose use fails: reads of the input, writes to the others.
+// A parent may also ignore SIGCHLD, which hides how workers end.
+void mend_what_the_parent_left() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) >= 0) continue;
+    const int unusable = stream == STDIN_FILENO ? O_WRONLY : O_RDONLY;
+    static_cast<void>(open("/dev/null", unusable));  // gets the lowest free number
+  }
+  std::signal(SIGCHLD, SIG_DFL);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  mend_what_the_parent_left();
   try {
     show::Talk talk(std::cerr, show::manner_of_stderr(false));
     return guarded(talk, [&] {

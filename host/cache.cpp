@@ -217,9 +217,9 @@ Cache::Hold::Hold(const Cache& cache, const std::string& name, const Progress& p
   } catch (const fs::filesystem_error&) {
     return;
   }
-  descriptor_ =
-      open((cache.folder_ / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (descriptor_ < 0) return;
+  lock_.hold(
+      open((cache.folder_ / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (lock_.number() < 0) return;
   std::uint32_t place = 0;
   const auto digits = sha256(name).substr(0, 8);
   std::from_chars(digits.data(), digits.data() + digits.size(), place, 16);
@@ -228,21 +228,12 @@ Cache::Hold::Hold(const Cache& cache, const std::string& name, const Progress& p
   lock.l_whence = SEEK_SET;
   lock.l_start = static_cast<off_t>(place);
   lock.l_len = 1;
-  while (fcntl(descriptor_, F_OFD_SETLK, &lock) != 0) {
+  while (fcntl(lock_.number(), F_OFD_SETLK, &lock) != 0) {
     if (errno != EAGAIN && errno != EACCES && errno != EINTR) return;
-    try {
-      throw_if_interrupted();
-    } catch (...) {
-      close(descriptor_);
-      throw;
-    }
+    throw_if_interrupted();
     tell(progress, "waiting for another run that solves the same");
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
-}
-
-Cache::Hold::~Hold() {
-  if (descriptor_ >= 0) close(descriptor_);
 }
 
 }  // namespace chladni

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "host/descriptor.h"
 
 namespace chladni {
 
@@ -59,14 +60,9 @@ class Cache {
    public:
     /// Tells `progress` that it waits. @throws Interrupted
     Hold(const Cache& cache, const std::string& name, const Progress& progress);
-    ~Hold();
-    Hold(const Hold&) = delete;
-    Hold& operator=(const Hold&) = delete;
-    Hold(Hold&&) = delete;
-    Hold& operator=(Hold&&) = delete;
 
    private:
-    int descriptor_ = -1;
+    Descriptor lock_;
   };
 
  private:

@@ -18,6 +18,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "host/descriptor.h"
 #include "host/limits/call_filter.h"
 
 namespace chladni {
@@ -89,17 +90,17 @@ void allow_programs(int rules, const std::filesystem::path& program) {
   allow(rules, "/sys/devices/system", kReadFolder);
 }
 
-int file_rules(int version, const std::filesystem::path& program,
-               const std::vector<std::filesystem::path>& files) {
+// Leaves `rules` without a number where the kernel refuses.
+void make_file_rules(Descriptor& rules, int version, const std::filesystem::path& program,
+                     const std::vector<std::filesystem::path>& files) {
   Rights handled{.files = file_rights(version)};
   if (version >= 4) handled.network = 3;  // bind and connect of TCP
   if (version >= 6) handled.scoped = 3;   // abstract local sockets and signals
-  const int rules =
-      static_cast<int>(syscall(SYS_landlock_create_ruleset, &handled, sizeof handled, 0));
-  if (rules < 0) return rules;
-  allow_programs(rules, program);
-  for (const auto& file : files) allow(rules, file, kReadFile);
-  return rules;
+  rules.hold(above_standard(
+      static_cast<int>(syscall(SYS_landlock_create_ruleset, &handled, sizeof handled, 0))));
+  if (rules.number() < 0) return;
+  allow_programs(rules.number(), program);
+  for (const auto& file : files) allow(rules.number(), file, kReadFile);
 }
 
 // Lowers a limit of this process. One that its parent has set lower stays as it is: without a
@@ -136,12 +137,8 @@ Confinement::Confinement(const std::filesystem::path& program,
                          std::chrono::seconds processor_time)
     : processor_time_(processor_time) {
   const auto support = confinement_support();
-  if (support.landlock > 0) files_ = file_rules(support.landlock, program, files);
+  if (support.landlock > 0) make_file_rules(files_, support.landlock, program, files);
   if (support.has_filter) filter_ = call_filter();
-}
-
-Confinement::~Confinement() {
-  if (files_ >= 0) close(files_);
 }
 
 bool Confinement::apply() noexcept {
@@ -152,7 +149,8 @@ bool Confinement::apply() noexcept {
   if (kCallsAreOfSanitizer) return holds;
   holds =
       holds && limit(RLIMIT_NOFILE, kMostOpenFiles, kMostOpenFiles) && limit(RLIMIT_FSIZE, 0, 0);
-  if (files_ >= 0) holds = holds && syscall(SYS_landlock_restrict_self, files_, 0) == 0;
+  if (files_.number() >= 0)
+    holds = holds && syscall(SYS_landlock_restrict_self, files_.number(), 0) == 0;
   if (filter_.empty()) return holds;
   set_own_process(filter_, static_cast<std::uint32_t>(getpid()));
   const sock_fprog program{static_cast<unsigned short>(filter_.size()), filter_.data()};

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "host/descriptor.h"
+
 namespace chladni {
 
 /// What the running kernel can take from a process.
@@ -27,8 +29,9 @@ struct ConfinementSupport {
 /// It may read the files of the system's programs and libraries (/usr, /lib, /bin), the folders of
 /// its program and of LD_LIBRARY_PATH, what states processors and memory, and `files`. It inherits
 /// its three pipes and no other descriptor, and writes to them alone. An attempt to open a socket
-/// other than a local one, to start or signal another process, or to change the state of the system
-/// ends it with SIGSYS; an attempt on a file or a local socket fails with EACCES. It has at most
+/// other than a local one, to start or signal another process, to have signals sent by its pipes,
+/// or to change the state of the system ends it with SIGSYS; limits and schedulers of others are
+/// refused; an attempt on a file or a local socket fails with EACCES. It has at most
 /// `processor_time`, 64 open files, and no file grows by it. Threads are allowed, so there is no
 /// RLIMIT_NPROC, which counts them. All holds for threads that a library starts as it is loaded, as
 /// OpenBLAS does.
@@ -36,11 +39,6 @@ class Confinement {
  public:
   Confinement(const std::filesystem::path& program, const std::vector<std::filesystem::path>& files,
               std::chrono::seconds processor_time);
-  ~Confinement();
-  Confinement(const Confinement&) = delete;
-  Confinement& operator=(const Confinement&) = delete;
-  Confinement(Confinement&&) = delete;
-  Confinement& operator=(Confinement&&) = delete;
 
   /// Confines the calling process, for ever. Only calls that are safe between fork and exec.
   /// @return  whether everything that the kernel supports holds; errno says why not
@@ -48,7 +46,7 @@ class Confinement {
 
  private:
   std::chrono::seconds processor_time_;
-  int files_ = -1;                   // Landlock's rules; −1: none
+  Descriptor files_;                 // Landlock's rules, if any
   std::vector<sock_filter> filter_;  // empty: none
 };
 

@@ -1,6 +1,7 @@
 // Descriptors of files, and what their errors mean.
 #pragma once
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -20,10 +21,22 @@ namespace chladni {
          error == ENFILE || error == ENOMEM;
 }
 
+// Moves a descriptor that has the number of a standard stream to a higher one, closed on exec. A
+// process that starts with a closed stream would else give that number to its next file, and the
+// streams of its children would overwrite the file. −1 where that fails; then it is closed too.
+[[nodiscard]] inline int above_standard(int number) noexcept {
+  if (number < 0 || number > STDERR_FILENO) return number;
+  const int moved = fcntl(number, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  const int error = errno;
+  ::close(number);
+  errno = error;
+  return moved;
+}
+
 // A file descriptor that is closed at the end of its scope.
 class Descriptor {
  public:
-  explicit Descriptor(int number) : number_(number) {}
+  explicit Descriptor(int number = -1) : number_(number) {}
   ~Descriptor() { static_cast<void>(close()); }
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
@@ -31,6 +44,10 @@ class Descriptor {
   Descriptor& operator=(Descriptor&&) = delete;
 
   [[nodiscard]] int number() const { return number_; }
+  void hold(int number) {
+    static_cast<void>(close());
+    number_ = number;
+  }
   [[nodiscard]] int close() {
     const int closing = std::exchange(number_, -1);
     return closing < 0 ? 0 : ::close(closing);

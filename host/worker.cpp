@@ -21,6 +21,7 @@
 
 #include "base/interrupt.h"
 #include "host/confinement.h"
+#include "host/descriptor.h"
 #include "host/held_signal.h"
 #include "host/memory.h"
 #include "host/unless_interrupted.h"
@@ -35,6 +36,9 @@ constexpr std::size_t kErrorsKept = std::size_t{64} << 10U;
 // The output limit is at least this size, even where little memory is left.
 constexpr std::size_t kLeastOutput = std::size_t{1} << 20U;
 constexpr int kLibrariesMissing = 127;  // exit status of the dynamic linker
+// No wait status is −1: an end that the system did not tell, or told to another waiter.
+constexpr int kUnknownEnd = -1;
+static_assert(!WIFEXITED(kUnknownEnd) && !WIFSIGNALED(kUnknownEnd));
 
 struct Pipe {
   int read_end = -1;
@@ -43,10 +47,15 @@ struct Pipe {
   Pipe() {
     std::array<int, 2> ends{};
     if (pipe2(ends.data(), O_CLOEXEC) != 0) {
-      throw OutOfResources("no pipe to a worker: " + std::generic_category().message(errno));
+      throw OutOfResources("no pipe to a worker: " + reason(errno));
     }
-    read_end = ends[0];
-    write_end = ends[1];
+    read_end = above_standard(ends[0]);
+    write_end = above_standard(ends[1]);
+    if (read_end >= 0 && write_end >= 0) return;
+    const std::string why = reason(errno);
+    close_end(read_end);
+    close_end(write_end);
+    throw OutOfResources("no pipe to a worker: " + why);
   }
   ~Pipe() {
     close_end(read_end);
@@ -80,7 +89,7 @@ constexpr bool kSanitized = false;
   setpgid(0, 0);  // so that the processes which the worker starts can be ended with it
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
-  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ, SIGXCPU})
+  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ, SIGXCPU, SIGCHLD})
     std::signal(signal, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
@@ -138,9 +147,11 @@ class Worker {
 
   // The wait status once the process has ended. Its remaining child processes are killed then.
   std::optional<int> status() {
+    if (status_) return status_;
     int status = 0;
-    if (!status_ && waitpid(process_, &status, WNOHANG) == process_) {
-      status_ = status;
+    const pid_t ended = waitpid(process_, &status, WNOHANG);
+    if (ended == process_ || (ended < 0 && errno == ECHILD)) {
+      status_ = ended == process_ ? status : kUnknownEnd;
       kill(-process_, SIGKILL);
     }
     return status_;
@@ -255,8 +266,8 @@ class Talk {
     const auto count =
         unless_interrupted([&] { return ::read(end, block_.data(), block_.size()); });
     if (count < 0 && errno != EAGAIN) {
-      throw WorkerDied("what " + worker_ + " writes cannot be read: " +
-                       std::generic_category().message(errno));
+      throw WorkerDied("what " + worker_ +
+                       " writes cannot be read: " + std::generic_category().message(errno));
     }
     if (count > 0) into.append(block_.data(), static_cast<std::size_t>(count));
     if (count == 0) Pipe::close_end(end);
@@ -275,6 +286,12 @@ class Talk {
 };
 
 void refuse_bad_end(const std::string& name, int status, const std::string& errors) {
+  if (status == kUnknownEnd) {
+    throw WorkerDied("how " + name +
+                     " ended is not known: the process that started it ignores SIGCHLD, or "
+                     "something in it waits for the children of others" +
+                     last_line(errors));
+  }
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
     if (signal == SIGSYS) {
@@ -302,7 +319,7 @@ std::chrono::seconds processor_time(const WorkerLimits& limits) {
 
 struct Ended {
   WorkerResult result;
-  int status = 0;  // from waitpid
+  int status = 0;  // from waitpid, or kUnknownEnd
 };
 
 Ended ended_worker(const fs::path& program, const std::vector<std::string>& arguments,

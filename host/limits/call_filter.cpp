@@ -1,9 +1,11 @@
 #include "host/limits/call_filter.h"
 
+#include <asm/sockios.h>
 #include <fcntl.h>
 #include <linux/audit.h>
 #include <linux/seccomp.h>
 #include <sched.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 
@@ -29,6 +31,7 @@ constexpr std::uint32_t refusal(int error) {
 }
 
 using Calls = std::initializer_list<int>;
+using Values = std::initializer_list<std::uint32_t>;
 
 // No reading of a file needs these, and no library tries them in passing.
 constexpr Calls kFatal = {
@@ -93,16 +96,17 @@ constexpr Calls kFatal = {
 
 // A library may try these and go on without.
 constexpr Calls kRefused = {
-    SYS_socketpair,   SYS_setpgid,      SYS_setsid,    SYS_setrlimit, SYS_unlinkat,
-    SYS_renameat2,    SYS_linkat,       SYS_symlinkat, SYS_mkdirat,   SYS_mknodat,
-    SYS_fchmodat,     SYS_fchmod,       SYS_fchownat,  SYS_fchown,    SYS_truncate,
-    SYS_ftruncate,    SYS_setxattr,     SYS_lsetxattr, SYS_fsetxattr, SYS_removexattr,
-    SYS_lremovexattr, SYS_fremovexattr, SYS_utimensat, SYS_shmget,    SYS_shmat,
-    SYS_msgget,       SYS_semget,       SYS_mq_open,
+    SYS_socketpair,    SYS_setpgid,        SYS_setsid,        SYS_setrlimit,   SYS_unlinkat,
+    SYS_renameat2,     SYS_linkat,         SYS_symlinkat,     SYS_mkdirat,     SYS_mknodat,
+    SYS_fchmodat,      SYS_fchmod,         SYS_fchownat,      SYS_fchown,      SYS_truncate,
+    SYS_ftruncate,     SYS_setxattr,       SYS_lsetxattr,     SYS_fsetxattr,   SYS_removexattr,
+    SYS_lremovexattr,  SYS_fremovexattr,   SYS_utimensat,     SYS_shmget,      SYS_shmat,
+    SYS_msgget,        SYS_semget,         SYS_mq_open,       SYS_setpriority, SYS_ioprio_set,
+    SYS_sched_setattr, SYS_sched_setparam, SYS_migrate_pages, SYS_move_pages,
 #if defined(__x86_64__)
-    SYS_creat,        SYS_unlink,       SYS_rename,    SYS_renameat,  SYS_link,
-    SYS_symlink,      SYS_mkdir,        SYS_rmdir,     SYS_mknod,     SYS_chmod,
-    SYS_chown,        SYS_lchown,       SYS_utime,     SYS_utimes,    SYS_futimesat,
+    SYS_creat,         SYS_unlink,         SYS_rename,        SYS_renameat,    SYS_link,
+    SYS_symlink,       SYS_mkdir,          SYS_rmdir,         SYS_mknod,       SYS_chmod,
+    SYS_chown,         SYS_lchown,         SYS_utime,         SYS_utimes,      SYS_futimesat,
 #endif
 };
 
@@ -127,15 +131,36 @@ class CallFilter {
     }
   }
 
-  /// The action if the low half of the argument is `value`, else the other one.
-  void if_equal(int call, std::size_t argument, std::uint32_t value, std::uint32_t action,
-                std::uint32_t otherwise) {
-    test(call, argument, BPF_JEQ, value, action, otherwise);
+  /// The action if the low half of the argument is one of the values, else the other one. It is
+  /// the whole of an argument that the kernel takes as an int, never that of a pointer.
+  void if_one_of(int call, std::size_t argument, Values values, std::uint32_t action,
+                 std::uint32_t otherwise) {
+    skip_unless(call, static_cast<std::uint8_t>(2 * values.size() + 2));
+    load(low_half(argument));
+    for (const auto value : values) end_if(BPF_JEQ, value, action);
+    end(otherwise);
   }
-  /// The action if the argument has one of the bits.
+  /// The action if the low half of the argument has one of the bits.
   void if_bits(int call, std::size_t argument, std::uint32_t bits, std::uint32_t action,
                std::uint32_t otherwise) {
-    test(call, argument, BPF_JSET, bits, action, otherwise);
+    skip_unless(call, 4);
+    load(low_half(argument));
+    end_if(BPF_JSET, bits, action);
+    end(otherwise);
+  }
+  /// Allows prlimit64 to tell the worker its own limits: no other process, no new limits.
+  void own_limits_alone(std::uint32_t otherwise) {
+    skip_unless(SYS_prlimit64, 11);
+    load(low_half(0));
+    put(BPF_JMP | BPF_JEQ | BPF_K, 0, 2, 0);
+    put(BPF_JMP | BPF_JEQ | BPF_K, kAnyProcess, 1, 0);
+    end(otherwise);
+    for (const std::size_t half : {low_half(2), low_half(2) + 4}) {
+      load(half);
+      put(BPF_JMP | BPF_JEQ | BPF_K, 0, 1, 0);
+      end(otherwise);
+    }
+    end(kAllow);
   }
 
   std::vector<sock_filter> ended(std::uint32_t action) {
@@ -144,13 +169,13 @@ class CallFilter {
   }
 
  private:
-  void test(int call, std::size_t argument, std::uint16_t how, std::uint32_t value,
-            std::uint32_t action, std::uint32_t otherwise) {
-    skip_unless(call, 4);
-    load(offsetof(seccomp_data, args) + 8 * argument);  // the low half: little-endian
+  // Little-endian.
+  static std::size_t low_half(std::size_t argument) {
+    return offsetof(seccomp_data, args) + 8 * argument;
+  }
+  void end_if(std::uint16_t how, std::uint32_t value, std::uint32_t action) {
     put(static_cast<std::uint16_t>(BPF_JMP | how | BPF_K), value, 0, 1);
     end(action);
-    end(otherwise);
   }
 
   void skip_unless(int call, std::uint8_t count) {
@@ -180,11 +205,16 @@ std::vector<sock_filter> call_filter() {
 #if defined(__x86_64__)
   filter.if_bits(SYS_open, 1, changes, refusal(EACCES), kAllow);
 #endif
-  filter.if_equal(SYS_socket, 0, AF_UNIX, refusal(EACCES), kEnd);
-  filter.if_equal(SYS_kill, 0, kAnyProcess, kAllow, kEnd);
-  filter.if_equal(SYS_tgkill, 0, kAnyProcess, kAllow, kEnd);
-  // glibc's getrlimit is this call without new limits.
-  filter.if_equal(SYS_prlimit64, 2, 0, kAllow, refusal(EPERM));
+  filter.if_one_of(SYS_socket, 0, {AF_UNIX}, refusal(EACCES), kEnd);
+  filter.if_one_of(SYS_kill, 0, {kAnyProcess}, kAllow, kEnd);
+  filter.if_one_of(SYS_tgkill, 0, {kAnyProcess}, kAllow, kEnd);
+  // The owner of a pipe gets signals when bytes move: any signal, and any process may be the owner.
+  filter.if_one_of(SYS_fcntl, 1, {F_SETOWN, F_SETOWN_EX, F_SETSIG, F_SETLEASE}, kEnd, kAllow);
+  filter.if_one_of(SYS_ioctl, 1, {FIOSETOWN, SIOCSPGRP}, kEnd, kAllow);
+  for (const int call : {SYS_sched_setaffinity, SYS_sched_setscheduler}) {
+    filter.if_one_of(call, 0, {0, kAnyProcess}, kAllow, refusal(EPERM));
+  }
+  filter.own_limits_alone(refusal(EPERM));  // glibc's getrlimit
   return filter.ended(kAllow);
 }
 

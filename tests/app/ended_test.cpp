@@ -112,6 +112,31 @@ TEST_F(FalseWorker, ThatPaintsNothingIsAWarning) {
   }
 }
 
+// --- What a parent leaves behind.
+
+TEST_F(CommandLine, ClosedStreamsAreNoHindranceToWorkers) {
+  for (const int closed : {STDIN_FILENO, STDERR_FILENO}) {
+    const auto doctor = ended(started({"doctor"}, "", [&] { close(closed); }));
+    EXPECT_EQ(doctor.status, run({"doctor"}).status) << doctor.out;
+    EXPECT_FALSE(says(doctor.out, "will not work")) << closed;
+  }
+}
+
+TEST_F(CommandLine, AClosedOutputIsSaidAndNoFileGetsWhatIsPrinted) {
+  const auto study = write("study.toml", kPlate).string();
+  const auto modes = ended(
+      started({"modes", study, "-o", "out", "--no-pictures"}, "", [] { close(STDOUT_FILENO); }));
+  EXPECT_EQ(modes.status, 5) << modes.err;
+  EXPECT_TRUE(says(modes.err, "error: cannot write to the standard output"));
+  EXPECT_LT(whole(folder_ / "out/.chladni.lock").size(), 20U);  // a number of a process
+}
+
+TEST_F(CommandLine, AParentThatIgnoresSigchldHidesNoEnd) {
+  const auto doctor = ended(started({"doctor"}, "", [] { std::signal(SIGCHLD, SIG_IGN); }));
+  EXPECT_EQ(doctor.status, run({"doctor"}).status) << doctor.out;
+  EXPECT_FALSE(says(doctor.out, "will not work"));
+}
+
 // --- A terminal.
 
 // What a program writes to a terminal of its own.

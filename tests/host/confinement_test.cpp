@@ -82,7 +82,8 @@ TEST_F(Confined, ChangesNoFile) {
 }
 
 TEST_F(Confined, IsStoppedAtTheNetworkAndAtOtherProcesses) {
-  for (const char* deed : {"socket", "fork", "shell", "signal"}) {
+  for (const char* deed : {"socket", "fork", "shell", "signal", "owner_of_pipe",
+                           "owner_by_structure", "owner_by_ioctl", "signal_of_pipe"}) {
     const auto said = answer(deed);
     EXPECT_TRUE(said.starts_with("forbidden: ")) << deed << ": " << said;
     EXPECT_TRUE(says(said, "was stopped: it tried what no reader of a file may do")) << deed;
@@ -101,9 +102,22 @@ TEST_F(Confined, HasFewFilesAndCannotRaiseItsLimits) {
   EXPECT_TRUE(says(answer("more_files"), "refused: "));
 }
 
+TEST_F(Confined, SetsNoLimitsAndNothingOfItsParent) {
+  for (const char* deed :
+       {"limits_by_address", "limits_of_parent", "processors_of_parent", "scheduler_of_parent"}) {
+    EXPECT_TRUE(says(answer(deed), "refused: Operation not permitted")) << deed;
+  }
+  for (const char* deed : {"own_limits", "own_processors", "own_scheduler", "no_waiting"}) {
+    EXPECT_EQ(answer(deed), "done\n") << deed;
+  }
+}
+
 // Without confinement the probe succeeds: it is not the probe that fails.
 TEST_F(Confined, OthersAreNot) {
-  for (const char* deed : {"socket", "local_socket", "fork", "shell", "more_files"}) {
+  for (const char* deed :
+       {"socket", "local_socket", "fork", "shell", "more_files", "limits_by_address",
+        "limits_of_parent", "processors_of_parent", "scheduler_of_parent", "owner_of_pipe",
+        "owner_by_structure", "owner_by_ioctl", "signal_of_pipe"}) {
     setenv("CHLADNI_PROBE", deed, 1);
     EXPECT_TRUE(says(run_worker(CHLADNI_PROBE_PROGRAM, {}, "").output, "done\n")) << deed;
   }

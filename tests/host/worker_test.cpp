@@ -166,6 +166,35 @@ TEST(Worker, ThatIsTriedMayAnswerAsItLikes) {
   EXPECT_THROW(try_worker("/nowhere/mesher"), WorkerDied);
 }
 
+// A parent may ignore SIGCHLD, and so may what it starts: the system then tells of no end.
+TEST(WorkerDeathTest, EndsAlsoWhereItsEndIsNotTold) {
+  const auto attempt = [] {
+    std::signal(SIGCHLD, SIG_IGN);
+    const auto start = std::chrono::steady_clock::now();
+    try {
+      try_worker("/bin/true");
+    } catch (const WorkerDied& e) {
+      const bool soon = std::chrono::steady_clock::now() - start < seconds(5);
+      std::_Exit(soon && std::string(e.what()).find("SIGCHLD") != std::string::npos ? 7 : 8);
+    }
+    std::_Exit(9);
+  };
+  EXPECT_EXIT(attempt(), testing::ExitedWithCode(7), "");
+}
+
+// The streams of the worker would else overwrite the ends of its pipes and its rules.
+TEST(WorkerDeathTest, NeedsNoStandardStreamsOfItsParent) {
+  const auto attempt = [] {
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) close(stream);
+    for (const bool confined : {false, true}) {
+      const auto said = run_worker("/bin/cat", {}, "echo", {.confined = confined}).output;
+      if (said != "echo") std::_Exit(8);
+    }
+    std::_Exit(7);
+  };
+  EXPECT_EXIT(attempt(), testing::ExitedWithCode(7), "");
+}
+
 TEST(Worker, ThatLacksALibraryDoesNotStart) {
   const auto folder =
       std::filesystem::temp_directory_path() / ("chladni_worker_" + std::to_string(getpid()));
