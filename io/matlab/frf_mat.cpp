@@ -11,6 +11,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "io/matlab/mat_channels.h"
 #include "io/matlab/mat_names.h"
 #include "io/measured/frf_units.h"
 #include "io/measured/measurable.h"
@@ -245,8 +246,8 @@ class Reader {
     };
     make(file_.set.outputs, layout.outputs, output_names_, options_.sensor_names, "y");
     make(file_.set.inputs, layout.inputs, input_names_, options_.actuator_names, "u");
-    describe("output", file_.set.outputs);
-    describe("input", file_.set.inputs);
+    describe_channels(fields_, "output", file_.set.outputs);
+    describe_channels(fields_, "input", file_.set.inputs);
     const auto kinds = mat_texts(mat_value(fields_, {"kind"}), "kind");
     for (std::size_t i = 0; i < file_.set.outputs.size() && !kinds.empty(); ++i) {
       const auto& word = kinds[std::min(i, kinds.size() - 1)];
@@ -255,36 +256,6 @@ class Reader {
               "kind is " + shown(word) + ", expected receptance, mobility or accelerance");
       file_.set.outputs[i].kind = static_cast<modal::FrfKind>(kind - kKinds.begin());
       kinds_known_ = true;
-    }
-  }
-
-  // Reads units, nodes, directions and places, as mat_of_frf writes them.
-  void describe(const std::string& side, std::vector<modal::MeasuredChannel>& channels) {
-    const auto count = static_cast<Index>(channels.size());
-    const std::string matlab = side == "output" ? "OutputUnit" : "InputUnit";
-    const auto units = mat_texts(mat_value(fields_, {side + "_unit", matlab}), side + "_unit");
-    const auto nodes = mat_numbers(mat_value(fields_, {side + "_node"}), side + "_node");
-    const auto along = mat_numbers(mat_value(fields_, {side + "_direction"}), side + "_direction");
-    const auto place = mat_numbers(mat_value(fields_, {side + "_position"}), side + "_position");
-    for (const auto& [numbers, each] : {std::pair(&nodes, 1), {&along, 3}, {&place, 3}}) {
-      require(numbers->size() == 0 || numbers->size() == each * count,
-              side + "_node, _direction or _position: " + fmt::to_string(numbers->size()) +
-                  " numbers, expected " + fmt::to_string(each) + " per channel");
-    }
-    for (Index c = 0; c < count; ++c) {
-      auto& channel = channels[static_cast<std::size_t>(c)];
-      if (!units.empty()) {
-        channel.unit = units[std::min(static_cast<std::size_t>(c), units.size() - 1)];
-      }
-      if (nodes.size() > 0 && std::abs(nodes(c)) < 1e15) {
-        channel.node = static_cast<long long>(nodes(c));
-      }
-      for (Index axis = 0; axis < 3 && along.size() > 0; ++axis) {
-        channel.direction(axis) = along(c + count * axis);
-      }
-      if (place.size() == 0) continue;
-      const Eigen::Vector3d at(place(c), place(c + count), place(c + 2 * count));
-      if (at.allFinite()) channel.position = at;
     }
   }
 

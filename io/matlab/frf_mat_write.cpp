@@ -1,38 +1,13 @@
 // Writes measured responses as variables of a .mat file.
 #include <array>
-#include <limits>
 
 #include "io/matlab/frf_mat.h"
+#include "io/matlab/mat_channels.h"
 
 namespace chladni::io {
 namespace {
 
 using Index = Eigen::Index;
-
-void add_channels(const std::string& side, const std::vector<modal::MeasuredChannel>& channels,
-                  MatFields& fields) {
-  const auto count = static_cast<Index>(channels.size());
-  const double nothing = std::numeric_limits<double>::quiet_NaN();
-  std::vector<std::string> names, units;
-  Eigen::MatrixXd node = Eigen::MatrixXd::Constant(count, 1, nothing);
-  Eigen::MatrixXd direction(count, 3);
-  Eigen::MatrixXd position = Eigen::MatrixXd::Constant(count, 3, nothing);
-  bool any_unit = false;
-  for (Index c = 0; c < count; ++c) {
-    const auto& channel = channels[static_cast<std::size_t>(c)];
-    names.push_back(channel.name);
-    units.push_back(channel.unit);
-    any_unit = any_unit || !channel.unit.empty();
-    if (channel.node) node(c) = static_cast<double>(*channel.node);
-    direction.row(c) = channel.direction.transpose();
-    if (channel.position) position.row(c) = channel.position->transpose();
-  }
-  fields.emplace_back(side + "_names", names);
-  if (any_unit) fields.emplace_back(side + "_unit", units);
-  if (!node.array().isNaN().all()) fields.emplace_back(side + "_node", node);
-  if (direction.any()) fields.emplace_back(side + "_direction", direction);
-  if (!position.array().isNaN().all()) fields.emplace_back(side + "_position", position);
-}
 
 // The numbers of all lines as one array p×q×k.
 template <typename Matrix, typename Part>
@@ -69,8 +44,8 @@ MatFields mat_of_frf(const modal::FrfSet& set) {
     kind.emplace_back(kinds[static_cast<std::size_t>(output.kind)]);
   }
   fields.emplace_back("kind", kind);
-  add_channels("output", set.outputs, fields);
-  add_channels("input", set.inputs, fields);
+  add_channels(fields, "output", set.outputs);
+  add_channels(fields, "input", set.inputs);
   return fields;
 }
 

@@ -21,6 +21,7 @@
 
 #include "base/error.h"
 #include "host/atomic_file.h"
+#include "host/descriptor.h"
 #include "host/held_signal.h"
 #include "io/scan.h"
 
@@ -136,30 +137,25 @@ double bytes_of(const MatValue& value) {
 class MemoryFile {
  public:
   explicit MemoryFile(std::string name)
-      : name_(std::move(name)), descriptor_(memfd_create("chladni.mat", MFD_CLOEXEC)) {
-    if (descriptor_ < 0) refuse();
+      : name_(std::move(name)), bytes_(memfd_create("chladni.mat", MFD_CLOEXEC)) {
+    if (bytes_.number() < 0) refuse();
   }
-  ~MemoryFile() { close(descriptor_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-  MemoryFile(MemoryFile&&) = delete;
-  MemoryFile& operator=(MemoryFile&&) = delete;
 
   [[nodiscard]] std::filesystem::path path() const {
-    return "/proc/self/fd/" + fmt::to_string(descriptor_);
+    return "/proc/self/fd/" + fmt::to_string(bytes_.number());
   }
 
   void copy_to(std::ostream& stream) const {
     rlimit limit = {};
-    const auto size = lseek(descriptor_, 0, SEEK_END);
+    const auto size = lseek(bytes_.number(), 0, SEEK_END);
     // Files in memory end there too, and matio would not have noticed.
     const bool cut_off = getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
                          static_cast<rlim_t>(size) >= limit.rlim_cur;
     if (cut_off) errno = EFBIG;
-    if (size < 0 || cut_off || lseek(descriptor_, 0, SEEK_SET) != 0) refuse();
+    if (size < 0 || cut_off || lseek(bytes_.number(), 0, SEEK_SET) != 0) refuse();
     std::vector<char> block(std::size_t{1} << 20U);
     for (off_t done = 0; done < size;) {
-      const auto count = ::read(descriptor_, block.data(), block.size());
+      const auto count = ::read(bytes_.number(), block.data(), block.size());
       if (count < 0 && errno == EINTR) continue;
       if (count == 0) errno = EIO;
       if (count <= 0) refuse();
@@ -170,12 +166,12 @@ class MemoryFile {
 
  private:
   [[noreturn]] void refuse() const {
-    throw OutOfResources(name_ + ": cannot be written: " + std::generic_category().message(errno) +
+    throw OutOfResources(name_ + ": cannot be written: " + reason(errno) +
                          "; the old file, if any, is untouched");
   }
 
   std::string name_;
-  int descriptor_;
+  Descriptor bytes_;
 };
 
 void write_all(const std::filesystem::path& file, const MatFields& variables, MatVersion version) {

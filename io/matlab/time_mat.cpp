@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "io/matlab/mat_channels.h"
 #include "io/matlab/mat_names.h"
 #include "io/measured/frf_units.h"
 #include "io/measured/measurable.h"
@@ -117,13 +118,12 @@ class RecordReader {
     if (names.empty() && static_cast<Index>(known.size()) == count) names = known;
     require(names.empty() || static_cast<Index>(names.size()) == count,
             fmt::to_string(names.size()) + " names for " + fmt::to_string(count) + " " + key + "s");
-    const auto units = mat_texts(mat_value(fields_, {key + "_unit"}), key + "_unit");
     for (Index c = 0; c < count; ++c) {
       const auto at = static_cast<std::size_t>(c);
       auto& channel = channels.emplace_back();
       channel.name = names.empty() ? kVariable[side] + fmt::to_string(c + 1) : names[at];
-      if (!units.empty()) channel.unit = units[std::min(at, units.size() - 1)];
     }
+    describe_channels(fields_, key, channels);
   }
 
   [[nodiscard]] double sample_time() const {
@@ -229,14 +229,7 @@ MatFields mat_of_time(const recordings::TimeData& data) {
       realisation(r) = record.realisation;
     }
     fields.emplace_back(kVariable[s], MatValue({samples, count, records}, std::move(numbers)));
-    std::vector<std::string> names;
-    std::vector<std::string> units;
-    for (const auto& channel : *sides[s]) {
-      names.push_back(channel.name);
-      units.push_back(channel.unit);
-    }
-    fields.emplace_back(std::string(kSide[s]) + "_names", names);
-    fields.emplace_back(std::string(kSide[s]) + "_unit", units);
+    add_channels(fields, kSide[s], *sides[s]);
   }
   fields.emplace_back("sample_time_s", data.sample_time_s);
   if (data.period > 0) fields.emplace_back("period", static_cast<double>(data.period));

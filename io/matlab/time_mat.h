@@ -11,7 +11,8 @@ namespace chladni::io {
 /// Reads recordings from variables: `y` (outputs), `u` (inputs) and, for a closed loop, `r`
 /// (references), each samples×channels or samples×channels×records; `time_s` or `t` of one record,
 /// or `sample_time_s`, `Ts`, `dt`; per record `experiment` and `realisation`; `period` [samples];
-/// `output_names`, `input_names`, `reference_names`, `output_unit`, `input_unit`.
+/// `output_names`, `output_unit`, `output_node`, `output_direction`, `output_position`, and the
+/// same of `input` and `reference`.
 /// @param name  of the file, for messages
 /// @throws InvalidInput  names the variable, what was found and what was expected
 [[nodiscard]] TimeFile time_of_mat(const MatFile& file, const std::string& name,

@@ -24,25 +24,6 @@ FrfFile parsed(const Path& file, const FrfOptions& options) {
   }
 }
 
-// The information that a CSV table cannot hold.
-std::vector<std::string> lost_in_csv(const modal::FrfSet& set) {
-  bool units = false;
-  bool places = false;
-  for (const auto* side : {&set.outputs, &set.inputs}) {
-    for (const auto& channel : *side) {
-      units = units || !channel.unit.empty();
-      places = places || channel.node || channel.position || channel.direction.any();
-    }
-  }
-  std::vector<std::string> lost;
-  if (units) {
-    lost.push_back("CSV holds no units: say unit = \"" + set.outputs.front().unit +
-                   "\" on reading");
-  }
-  if (places) lost.emplace_back("CSV holds no nodes, directions and places: they are left out");
-  return lost;
-}
-
 }  // namespace
 
 bool is_measured_file(const Path& file) { return measured_format(file) != MeasuredFormat::none; }
@@ -59,7 +40,7 @@ std::vector<std::string> write_frf(const Path& file, const modal::FrfSet& set, M
   switch (written_format(file)) {
     case MeasuredFormat::csv:
       write_atomically(file, frf_csv(set));
-      return lost_in_csv(set);
+      return lost_in_csv({&set.outputs, &set.inputs});
     case MeasuredFormat::uff: {
       std::vector<std::string> lost;
       write_atomically(file, frf_uff(set, UffEncoding::binary, lost));

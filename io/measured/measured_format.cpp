@@ -40,4 +40,25 @@ std::string content_of(const std::filesystem::path& file, std::size_t limit) {
   }
 }
 
+std::vector<std::string> lost_in_csv(
+    const std::vector<const std::vector<modal::MeasuredChannel>*>& sides) {
+  bool units = false;
+  bool places = false;
+  std::string unit;  // of the outputs
+  for (const auto* side : sides) {
+    for (const auto& channel : *side) {
+      units = units || !channel.unit.empty();
+      places = places || channel.node || channel.position || channel.direction.any();
+      if (unit.empty() && side == sides.front()) unit = channel.unit;
+    }
+  }
+  std::vector<std::string> lost;
+  if (units) {
+    lost.push_back("CSV holds no units" +
+                   (unit.empty() ? "" : ": say unit = \"" + unit + "\" on reading"));
+  }
+  if (places) lost.emplace_back("CSV holds no nodes, directions and places: they are left out");
+  return lost;
+}
+
 }  // namespace chladni::io

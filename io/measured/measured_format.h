@@ -3,6 +3,9 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
+
+#include "modal/frf_set.h"
 
 namespace chladni::io {
 
@@ -21,5 +24,10 @@ enum class MeasuredFormat { csv, uff, mat, none };
 /// @param limit  bytes of memory for the content of the file
 /// @throws InvalidInput  the file cannot be read, is damaged, or is larger than the limit allows
 [[nodiscard]] std::string content_of(const std::filesystem::path& file, std::size_t limit);
+
+/// What of channels a CSV table cannot hold, in sentences.
+/// @param sides  the outputs first
+[[nodiscard]] std::vector<std::string> lost_in_csv(
+    const std::vector<const std::vector<modal::MeasuredChannel>*>& sides);
 
 }  // namespace chladni::io

@@ -25,10 +25,10 @@ std::vector<std::string> write_time(const std::filesystem::path& file,
   switch (written_format(file)) {
     case MeasuredFormat::csv:
       write_atomically(file, time_csv(data));
-      return {"CSV holds no units"};
+      return lost_in_csv({&data.outputs, &data.inputs, &data.references});
     case MeasuredFormat::uff:
       write_atomically(file, time_uff(data, UffEncoding::binary));
-      return {};
+      return lost_in_time_uff(data);
     case MeasuredFormat::mat:
       write_mat(file, mat_of_time(data), version);
       return {};

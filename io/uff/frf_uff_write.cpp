@@ -48,23 +48,6 @@ UffAxis force_axis(const modal::MeasuredChannel& channel) {
   return axis;
 }
 
-// Notes the directions that are not along an axis.
-void note_oblique(const std::vector<modal::MeasuredChannel>& channels,
-                  const std::vector<UffDof>& dofs, std::vector<std::string>& lost) {
-  for (std::size_t c = 0; c < channels.size(); ++c) {
-    if (dofs[c].direction != 0 || !channels[c].direction.any()) continue;
-    lost.push_back("UFF holds directions along the axes only: that of " + channels[c].name +
-                   " is left out");
-  }
-}
-
-void add_nodes(const std::vector<modal::MeasuredChannel>& channels, const std::vector<UffDof>& dofs,
-               std::map<long long, Eigen::Vector3d>& nodes) {
-  for (std::size_t c = 0; c < channels.size(); ++c) {
-    if (channels[c].position) nodes.emplace(dofs[c].node, *channels[c].position);
-  }
-}
-
 // The datasets of a response and its coherence; empty where the response was not measured.
 std::string pair_datasets(const modal::FrfSet& set, Index i, Index j, UffFunction function,
                           UffEncoding encoding) {
@@ -94,6 +77,16 @@ std::string pair_datasets(const modal::FrfSet& set, Index i, Index j, UffFunctio
   return text + uff_dataset(function, encoding);
 }
 
+void note_variances(const modal::FrfSet& set, std::vector<std::string>& lost) {
+  if (!set.variance.empty()) lost.emplace_back("UFF holds no variances: they are left out");
+  if (!set.noise_variance.empty()) {
+    lost.emplace_back("UFF holds no variances by noise: they are left out");
+  }
+  if (set.averages > 0.0) {
+    lost.emplace_back("UFF holds no number of averages: it is left out");
+  }
+}
+
 }  // namespace
 
 std::string frf_uff(const modal::FrfSet& set, UffEncoding encoding,
@@ -101,23 +94,18 @@ std::string frf_uff(const modal::FrfSet& set, UffEncoding encoding,
   modal::check(set);
   for (const auto& output : set.outputs) require_name(output);
   for (const auto& input : set.inputs) require_name(input);
-  if (!set.variance.empty()) lost.emplace_back("UFF holds no variances: they are left out");
-  const auto outputs = dofs_of(set.outputs, set.inputs);
-  const auto inputs = dofs_of(set.inputs, set.outputs);
-  note_oblique(set.outputs, outputs, lost);
-  note_oblique(set.inputs, inputs, lost);
-  std::map<long long, Eigen::Vector3d> nodes;
-  add_nodes(set.outputs, outputs, nodes);
-  add_nodes(set.inputs, inputs, nodes);
-  std::string text = uff_head("measured frequency responses", nodes);
+  note_variances(set, lost);
+  const UffSides sides{&set.outputs, &set.inputs};
+  const auto dofs = dofs_of(sides);
+  std::string text = uff_head("measured frequency responses", places_of(sides, dofs, lost));
   UffFunction function;
   function.abscissa = axis_of(18, "Frequency", "Hz");
   function.x = set.frequency_hz;
   function.y.resize(set.line_count());
   for (Index i = 0; i < set.output_count(); ++i) {
     for (Index j = 0; j < set.input_count(); ++j) {
-      function.response = outputs[static_cast<std::size_t>(i)];
-      function.reference = inputs[static_cast<std::size_t>(j)];
+      function.response = dofs[0][static_cast<std::size_t>(i)];
+      function.reference = dofs[1][static_cast<std::size_t>(j)];
       text += pair_datasets(set, i, j, function, encoding);
     }
   }

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "io/recordings_file.h"
 #include "io/time_file.h"
@@ -31,5 +32,7 @@ namespace chladni::io {
 /// A universal file in SI with 13 digits (text) or all digits (binary).
 /// @throws InvalidInput  a name has more than 60 letters or a line end
 [[nodiscard]] std::string time_uff(const recordings::TimeData& data, UffEncoding encoding);
+/// What of the channels such a file does not hold, in sentences.
+[[nodiscard]] std::vector<std::string> lost_in_time_uff(const recordings::TimeData& data);
 
 }  // namespace chladni::io

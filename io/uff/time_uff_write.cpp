@@ -30,11 +30,23 @@ UffAxis ordinate_of(const modal::MeasuredChannel& channel, Side side) {
   return axis;
 }
 
+UffSides sides_of(const recordings::TimeData& data) {
+  return {&data.outputs, &data.inputs, &data.references};
+}
+
 }  // namespace
 
+std::vector<std::string> lost_in_time_uff(const recordings::TimeData& data) {
+  std::vector<std::string> lost;
+  static_cast<void>(places_of(sides_of(data), dofs_of(sides_of(data)), lost));
+  return lost;
+}
+
 std::string time_uff(const recordings::TimeData& data, UffEncoding encoding) {
-  std::string text = uff_head("recordings", {});
-  const std::array sides{&data.outputs, &data.inputs, &data.references};
+  const auto sides = sides_of(data);
+  const auto dofs = dofs_of(sides);
+  std::vector<std::string> lost;  // lost_in_time_uff tells
+  std::string text = uff_head("recordings", places_of(sides, dofs, lost));
   UffFunction function;
   function.type = 1;
   function.abscissa.type = 17;
@@ -45,7 +57,6 @@ std::string time_uff(const recordings::TimeData& data, UffEncoding encoding) {
     function.load_case = record.experiment;
     function.version = record.realisation;
     for (std::size_t s = 0; s < 3; ++s) {
-      const auto dofs = dofs_of(*sides[s], {});
       const auto& samples = record.*kUffSamples[s];
       function.id[4] = std::string(kUffSide) + std::string(kUffSides[s]);
       for (std::size_t c = 0; c < sides[s]->size(); ++c) {
@@ -54,7 +65,7 @@ std::string time_uff(const recordings::TimeData& data, UffEncoding encoding) {
                     channel.name.find_first_of("\r\n") == std::string::npos,
                 "UFF cannot hold the channel name " + shown(channel.name));
         function.id[3] = std::string(kResponseName) + channel.name;
-        function.response = dofs[c];
+        function.response = dofs[s][c];
         function.ordinate = ordinate_of(channel, static_cast<Side>(s));
         function.x = Eigen::VectorXd::LinSpaced(samples.rows(), 0.0,
                                                 static_cast<double>(samples.rows() - 1)) *

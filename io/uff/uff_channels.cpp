@@ -234,22 +234,49 @@ UffDof dof_of(const modal::MeasuredChannel& channel, long long otherwise) {
   return dof;
 }
 
-std::vector<UffDof> dofs_of(const std::vector<modal::MeasuredChannel>& channels,
-                            const std::vector<modal::MeasuredChannel>& others) {
+std::vector<std::vector<UffDof>> dofs_of(const UffSides& sides) {
   std::set<long long> taken;
-  for (const auto* side : {&channels, &others}) {
+  for (const auto* side : sides) {
     for (const auto& channel : *side) {
       if (channel.node) taken.insert(*channel.node);
     }
   }
-  std::vector<UffDof> dofs;
+  std::vector<std::vector<UffDof>> dofs;
+  std::map<std::string, long long> given;
   long long next = 1;
-  for (const auto& channel : channels) {
-    while (taken.contains(next)) ++next;
-    dofs.push_back(dof_of(channel, next));
-    if (!channel.node) ++next;
+  for (const auto* side : sides) {
+    auto& of_side = dofs.emplace_back();
+    for (const auto& channel : *side) {
+      while (taken.contains(next)) ++next;
+      const bool needs_one = !channel.node && given.emplace(channel.name, next).second;
+      of_side.push_back(dof_of(channel, channel.node ? 0 : given.at(channel.name)));
+      if (needs_one) ++next;
+    }
   }
   return dofs;
+}
+
+std::map<long long, Eigen::Vector3d> places_of(const UffSides& sides,
+                                               const std::vector<std::vector<UffDof>>& dofs,
+                                               std::vector<std::string>& lost) {
+  std::map<long long, Eigen::Vector3d> places;
+  for (std::size_t s = 0; s < sides.size(); ++s) {
+    for (std::size_t c = 0; c < sides[s]->size(); ++c) {
+      const auto& channel = (*sides[s])[c];
+      const auto& dof = dofs[s][c];
+      if (dof.direction == 0 && channel.direction.any()) {
+        lost.push_back("UFF holds directions along the axes only: that of " + channel.name +
+                       " is left out");
+      }
+      if (!channel.position) continue;
+      const auto [place, is_new] = places.emplace(dof.node, *channel.position);
+      if (!is_new && place->second != *channel.position) {
+        lost.push_back("UFF holds one place of a node: that of " + channel.name + ", at node " +
+                       fmt::to_string(dof.node) + ", is left out");
+      }
+    }
+  }
+  return places;
 }
 
 std::string stated_name(const UffFunction& function, std::string_view mark, const UffDof& dof) {

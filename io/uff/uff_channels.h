@@ -52,10 +52,14 @@ struct UffScale {
 
 /// The channel as a degree of freedom, at its node or else at node `otherwise`.
 [[nodiscard]] UffDof dof_of(const modal::MeasuredChannel& channel, long long otherwise);
-/// The degrees of freedom of channels. A channel without a node gets the lowest node number that no
-/// channel has.
-[[nodiscard]] std::vector<UffDof> dofs_of(const std::vector<modal::MeasuredChannel>& channels,
-                                          const std::vector<modal::MeasuredChannel>& others);
+using UffSides = std::vector<const std::vector<modal::MeasuredChannel>*>;
+/// The degrees of freedom of channels, by side. A channel without a node gets the lowest node
+/// number that no channel has; channels of one name share it.
+[[nodiscard]] std::vector<std::vector<UffDof>> dofs_of(const UffSides& sides);
+/// The places of their nodes. Adds to `lost` which directions and places UFF cannot hold.
+[[nodiscard]] std::map<long long, Eigen::Vector3d> places_of(
+    const UffSides& sides, const std::vector<std::vector<UffDof>>& dofs,
+    std::vector<std::string>& lost);
 
 /// Marks in our own files for names that are too long for ten columns.
 inline constexpr std::string_view kResponseName = "response: ";

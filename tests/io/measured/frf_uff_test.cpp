@@ -241,6 +241,36 @@ TEST(FrfUff, ReadsBackWhatItWrote) {
   }
 }
 
+TEST(FrfUff, NamesAllThatItLeavesOut) {
+  auto set = random_set(2, 1, 4, 5);
+  set.averages = 8.0;
+  for (auto* channel : {&set.outputs[0], &set.inputs[0]}) {
+    channel->node = 3;
+    channel->position = Eigen::Vector3d(channel == &set.inputs[0] ? 1.0 : 0.0, 0.0, 0.0);
+  }
+  set.outputs[1].direction = Eigen::Vector3d(0.6, 0.0, 0.8);
+  std::vector<std::string> lost;
+  static_cast<void>(frf_uff(set, UffEncoding::text, lost));
+  EXPECT_EQ(lost, (std::vector<std::string>{
+                      "UFF holds no variances: they are left out",
+                      "UFF holds no variances by noise: they are left out",
+                      "UFF holds no number of averages: it is left out",
+                      "UFF holds directions along the axes only: that of y2 is left out",
+                      "UFF holds one place of a node: that of u1, at node 3, is left out"}));
+}
+
+// Channels without nodes at places of their own must not share one.
+TEST(FrfUff, KeepsPlacesOfChannelsWithoutNodes) {
+  auto set = random_set(1, 1, 4, 5);
+  set.outputs[0].position = Eigen::Vector3d(0.25, 0.0, 0.0);
+  set.inputs[0].position = Eigen::Vector3d(0.5, 0.0, 0.0);
+  std::vector<std::string> lost;
+  const auto back = parse_frf_uff(frf_uff(set, UffEncoding::binary, lost), "t.uff").set;
+  ASSERT_TRUE(back.outputs[0].position && back.inputs[0].position);
+  EXPECT_LT((*back.outputs[0].position - *set.outputs[0].position).norm(), 1e-15);
+  EXPECT_LT((*back.inputs[0].position - *set.inputs[0].position).norm(), 1e-15);
+}
+
 TEST(FrfUff, KeepsKindAndUnitThatAreNotSi) {
   auto set = random_set(1, 1, 3, 5);
   set.outputs[0].kind = modal::FrfKind::mobility;

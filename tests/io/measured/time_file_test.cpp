@@ -4,6 +4,7 @@
 
 #include <array>
 #include <filesystem>
+#include <utility>
 
 #include "base/draw.h"
 #include "base/error.h"
@@ -77,6 +78,85 @@ TEST(TimeFile, UffReadsBackWhatItWroteToTheLastBit) {
   EXPECT_EQ(found.outputs[0].unit, "m/s");
   EXPECT_EQ(found.outputs[0].kind, modal::FrfKind::mobility);
   EXPECT_EQ(found.inputs[0].unit, "N");
+}
+
+// Channels with nodes, directions and places; the place of y1 stands at no node of its own.
+recordings::TimeData placed_recordings() {
+  auto data = random_recordings();
+  data.outputs[0].direction = Eigen::Vector3d::UnitZ();
+  data.outputs[0].position = Eigen::Vector3d(0.1, 0.2, 0.3);
+  data.outputs[1].node = 7;
+  data.outputs[1].direction = Eigen::Vector3d(0.6, 0.0, 0.8);
+  data.outputs[1].position = Eigen::Vector3d(1.0, 2.0, 3.0);
+  data.inputs[0].direction = -Eigen::Vector3d::UnitY();
+  data.inputs[0].position = Eigen::Vector3d(4.0, 5.0, 6.0);
+  data.references[0].node = 9;
+  return data;
+}
+
+struct Transfer {
+  std::vector<std::string> lost;
+  recordings::TimeData back;
+};
+
+Transfer transferred(const recordings::TimeData& data, const std::string& name) {
+  const TemporaryFile file(name);
+  auto lost = write_time(file.path, data);
+  return {std::move(lost), read_time(file.path).data};
+}
+
+TEST(TimeFile, MatKeepsNodesDirectionsAndPlaces) {
+  const auto data = placed_recordings();
+  const auto [lost, back] = transferred(data, "placed.mat");
+  EXPECT_TRUE(lost.empty()) << testing::PrintToString(lost);
+  for (const auto& [found, expected] :
+       {std::pair(&back.outputs, &data.outputs), std::pair(&back.inputs, &data.inputs),
+        std::pair(&back.references, &data.references)}) {
+    ASSERT_EQ(found->size(), expected->size());
+    for (std::size_t c = 0; c < found->size(); ++c) {
+      EXPECT_EQ((*found)[c].node, (*expected)[c].node);
+      EXPECT_EQ((*found)[c].direction, (*expected)[c].direction);
+      EXPECT_EQ((*found)[c].position, (*expected)[c].position);
+    }
+  }
+}
+
+TEST(TimeFile, UffKeepsPlacesAndNamesObliqueDirections) {
+  const auto data = placed_recordings();
+  const auto [lost, back] = transferred(data, "placed.uff");
+  ASSERT_EQ(lost.size(), 1U) << testing::PrintToString(lost);
+  EXPECT_EQ(lost[0],
+            "UFF holds directions along the axes only: that of force plate, left is left out");
+  ASSERT_EQ(back.outputs.size(), 2U);
+  EXPECT_EQ(back.outputs[1].node, 7);
+  EXPECT_EQ(back.references.at(0).node, 9);
+  EXPECT_EQ(back.inputs.at(0).direction, data.inputs[0].direction);
+  for (const auto& [found, expected] : {std::pair(&back.outputs[0], &data.outputs[0]),
+                                        std::pair(&back.outputs[1], &data.outputs[1]),
+                                        std::pair(&back.inputs[0], &data.inputs[0])}) {
+    ASSERT_TRUE(found->position) << found->name;
+    EXPECT_LT((*found->position - *expected->position).norm(), 1e-15) << found->name;
+  }
+}
+
+TEST(TimeFile, UffNamesTheSecondPlaceOfANode) {
+  auto data = placed_recordings();
+  data.references[0].node = 7;
+  data.references[0].position = Eigen::Vector3d(1.0, 2.0, 4.0);
+  const auto lost = transferred(data, "two_places.uff").lost;
+  ASSERT_EQ(lost.size(), 2U) << testing::PrintToString(lost);
+  EXPECT_EQ(lost[1], "UFF holds one place of a node: that of r1, at node 7, is left out");
+}
+
+TEST(TimeFile, CsvNamesAllThatItLeavesOut) {
+  auto data = placed_recordings();
+  EXPECT_EQ(
+      transferred(data, "placed.csv").lost,
+      (std::vector<std::string>{"CSV holds no nodes, directions and places: they are left out"}));
+  data.outputs[1].unit = "m/s";
+  EXPECT_EQ(transferred(data, "placed.csv").lost.at(0),
+            "CSV holds no units: say unit = \"m/s\" on reading");
+  EXPECT_TRUE(transferred(random_recordings(), "bare.csv").lost.empty());
 }
 
 // A record ends in a table where its numbers do.

@@ -1,0 +1,22 @@
+// The channels of one side in a .mat file: "output", "input" or "reference".
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "io/mat.h"
+#include "modal/frf_set.h"
+
+namespace chladni::io {
+
+/// Adds names, and what any channel states of units, nodes, directions and places.
+void add_channels(MatFields& fields, const std::string& side,
+                  const std::vector<modal::MeasuredChannel>& channels);
+
+/// Reads into channels what `add_channels` wrote, but for the names. OutputUnit and InputUnit of
+/// MATLAB's frd objects are units too.
+/// @throws InvalidInput  numbers that are not those of so many channels
+void describe_channels(const MatFields& fields, const std::string& side,
+                       std::vector<modal::MeasuredChannel>& channels);
+
+}  // namespace chladni::io
