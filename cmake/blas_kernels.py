@@ -7,6 +7,7 @@ OPENBLAS_CORETYPE takes the name. A kernel decides the last bits of every produc
 on one.
 """
 import argparse
+import subprocess
 from pathlib import Path
 
 NEEDS = {"Prescott": {"pni"}, "Haswell": {"avx2", "fma"}, "Zen": {"avx2", "fma"},
@@ -32,10 +33,29 @@ def kernels():
     return [name for name, needs in NEEDS.items() if needs <= there]
 
 
+def git(tree, *words):
+    """What git says of a tree; empty where it fails."""
+    done = subprocess.run(["git", "-C", tree, *words], capture_output=True, text=True, check=False)
+    return done.stdout.strip() if done.returncode == 0 else ""
+
+
+def turn_of(tree):
+    """The turn changes with every fourth landing. A shallow clone cannot count them: its hash decides,
+    as for the samples of the tests (tests/rotation/drawn_sample.cpp)."""
+    commit = git(tree, "rev-parse", "HEAD")
+    if not commit:
+        return 0
+    if git(tree, "rev-parse", "--is-shallow-repository") == "true":
+        return int(commit[:8], 16) // 1000 // 4
+    return int(git(tree, "rev-list", "--count", "--first-parent", "HEAD")) // 4
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--turn", type=int)
-    turn = parser.parse_args().turn
+    parser.add_argument("--turn-of", metavar="TREE")
+    told = parser.parse_args()
+    turn = turn_of(told.turn_of) if told.turn_of else told.turn
     if turn is None:
         print("\n".join(kernels()))
         return

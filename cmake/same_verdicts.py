@@ -18,8 +18,14 @@ from pathlib import Path
 from blas_kernels import NEEDS, kernels as kernels_of_processor
 
 
+def told_causes(told):
+    """The causes of a diagnosis as sorted (effect, channels, probability)."""
+    return sorted((cause["effect"], tuple(cause["channels"]), round(cause["probability"], 3))
+                  for cause in told["causes"])
+
+
 def diagnosed(chladni, study, kernel, threads, more):
-    """The verdict, and the causes as sorted (effect, channel) of those that are named."""
+    """The verdict, and its causes."""
     with tempfile.TemporaryDirectory() as out:
         done = subprocess.run(
             [chladni, "diagnose", study, "-o", out, "--quiet", "--no-pictures",
@@ -30,9 +36,7 @@ def diagnosed(chladni, study, kernel, threads, more):
         if done.returncode not in (0, 4):
             sys.exit(f"{study}, {kernel}, {threads} threads: exit {done.returncode}: {done.stderr}")
         told = json.loads((Path(out) / "diagnosis.json").read_text(encoding="utf-8"))
-    causes = [(cause["effect"], cause.get("channel", ""), round(cause["probability"], 3))
-              for cause in told["causes"]]
-    return told["verdict"], sorted(causes)
+    return told["verdict"], told_causes(told)
 
 
 def names(run):

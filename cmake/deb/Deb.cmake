@@ -26,7 +26,7 @@ set(CPACK_DEBIAN_PROGRAMS_DESCRIPTION
  responses; and what a simulation gets wrong.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-chladni)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy, chladni")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy, chladni (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-scipy, python3-pandas")
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION
 "This package has the Python package chladni: every verb of the program, on
@@ -35,11 +35,13 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libchladni-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "libeigen3-dev, libfmt-dev, libmetis-dev, libopenblas-dev, libsuitesparse-dev, nlohmann-json3-dev, zlib1g-dev, chladni")
+    # What the headers include and what the exported targets name.
+    "chladni (= ${PROJECT_VERSION}), libeigen3-dev, libfftw3-dev, libfmt-dev, libgmp-dev, libmatio-dev, libmetis-dev, libmpfr-dev, libnlopt-dev, libopenblas-dev, libslicot-dev, libsuitesparse-dev, libudunits2-dev, nlohmann-json3-dev, zlib1g-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "libvtk9-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
 "This package has static libraries, headers and a CMake package.")
 set(CPACK_DEBIAN_CLUSTER_PACKAGE_NAME chladni-cluster)
+set(CPACK_DEBIAN_CLUSTER_PACKAGE_DEPENDS "chladni (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_CLUSTER_PACKAGE_RECOMMENDS "openmpi-bin")
 set(CPACK_DEBIAN_CLUSTER_DESCRIPTION
 "This package has the program that finds the modes of one large body by

@@ -4,6 +4,7 @@ deb_test.py SOURCE BUILD SAMPLE
 """
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -56,6 +57,25 @@ class Packages(unittest.TestCase):
         for package in self.packages.values():
             self.assertIn(field(package, "Version"), said(self.chladni, "--version"))
             self.assertRegex(field(package, "Description"), r"\S+\n ")
+
+    def test_what_the_exported_targets_link_is_depended_on(self):
+        depends = field(self.packages["libchladni-dev"], "Depends")
+        packages = {word.split()[0] for word in depends.split(", ")}
+        text = "".join(file.read_text() for file in self.root.glob("usr/lib/**/chladni_*.cmake"))
+        libraries = set(re.findall(r"/usr/[^;>\" ]*\.(?:so|a)\b", text))
+        for name in re.findall(r"\$<LINK_ONLY:([a-z0-9]+)>|(?<=[;\"])-l([a-z0-9]+)", text):
+            found = said("c++", f"-print-file-name=lib{''.join(name)}.so").strip()
+            libraries.add(os.path.normpath(found))
+        self.assertGreater(len(libraries), 5, text)
+        for library in sorted(libraries):
+            owner = said("dpkg", "-S", library).split(":")[0]
+            self.assertIn(owner, packages, library)
+
+    def test_what_belongs_together_has_one_version(self):
+        version = field(self.packages["chladni"], "Version")
+        for name in self.packages.keys() - {"chladni"}:
+            depends = field(self.packages[name], "Depends").split(", ")
+            self.assertIn(f"chladni (= {version})", depends)
 
     def test_programs_find_their_workers_and_the_modes(self):
         study = self.folder / "plate.toml"

@@ -2,6 +2,7 @@
 
 launcher_test.py ROOT
 """
+import fcntl
 import os
 import pathlib
 import re
@@ -68,6 +69,35 @@ class Launcher(unittest.TestCase):
             (self.root / folder / "file.cpp").touch()
             self.assertTrue(self.builds("test"), folder)
             self.assertFalse(self.builds("test"), folder)
+
+    def run_while_another_builds(self, ready):
+        """What `./chladni doctor` says while the lock is held until `ready()`, and its process."""
+        path = f"{self.tools}:{os.environ['PATH']}"
+        with open(self.build / ".lock", "w", encoding="utf-8") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            process = subprocess.Popen([self.root / "chladni", "doctor"], stderr=subprocess.PIPE,
+                                       env=dict(os.environ, PATH=path), text=True)
+            said = process.stderr.readline()
+            ready()
+        return said, process
+
+    def test_who_waits_for_another_build_says_so_and_holds_no_lock_afterwards(self):
+        self.script(self.build / "bin/chladni", f"touch {self.root}/runs; exec sleep 60")
+        (self.root / "base" / "file.cpp").touch()
+        said, process = self.run_while_another_builds(
+            lambda: (self.build / ".programs_built").touch())
+        self.addCleanup(process.stderr.close)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        self.assertEqual(said, "chladni: waiting for another build\n")
+        for _ in range(600):
+            if (self.root / "runs").exists():
+                break
+            time.sleep(0.05)
+        self.assertTrue((self.root / "runs").exists())
+        self.assertFalse((self.root / "asked").exists())
+        with open(self.build / ".lock", "w", encoding="utf-8") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # else a BlockingIOError
 
     def test_what_no_program_is_made_of_is_not_built_before_a_verb(self):
         for folder in ("python", "tests"):
