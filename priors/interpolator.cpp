@@ -43,6 +43,11 @@ void require_fitting(const Places& places, const std::string& what) {
   require(places.direction.rows() == places.position.rows(),
           what + " have " + count + " positions and " + fmt::to_string(places.direction.rows()) +
               " directions; expected as many");
+  for (const auto* array : {&places.shapes, &places.harmonics}) {
+    require(array->size() == 0 || array->rows() == places.position.rows(),
+            what + " have " + count + " positions and shapes of " + fmt::to_string(array->rows()) +
+                "; expected as many");
+  }
   require(places.position.allFinite() && places.direction.allFinite() &&
               places.shapes.allFinite() && places.harmonics.allFinite(),
           what + " hold a position, direction or shape that is not finite");
@@ -112,6 +117,11 @@ void require_agreement(const MeasuredShapes& measured) {
 }
 
 }  // namespace
+
+Field ModeField::at(const Places& places) const {
+  require_fitting(places, "the places");
+  return field_at(places);
+}
 
 Places part(const Places& places, const std::vector<Eigen::Index>& rows) {
   Places chosen;

@@ -53,8 +53,8 @@ struct Simulation {
   [[nodiscard]] Eigen::Index rigid_count() const { return (frequency_hz.array() == 0.0).count(); }
 };
 
-/// The two sides of a modal model: sensors and, by reciprocity, actuators. With the true shape φ and
-/// an error δ of the scale between both sides, the value is φ e^δ at a sensor and φ e^−δ at an
+/// The two sides of a modal model: sensors and, by reciprocity, actuators. With the true shape φ
+/// and an error δ of the scale between both sides, the value is φ e^δ at a sensor and φ e^−δ at an
 /// actuator. The shapes of all modes are mass-normalised up to one common factor.
 struct BothSides {
   std::vector<bool> actuator;     ///< s
@@ -66,9 +66,9 @@ struct BothSides {
 /// if the shapes are mass-normalised.
 struct MeasuredShapes {
   Places places;
-  Eigen::VectorXd frequency_hz;  ///< m, identified
-  Eigen::MatrixXd values;        ///< s×m
-  Eigen::MatrixXd noise;         ///< s×m: standard deviation of each value, in its unit
+  Eigen::VectorXd frequency_hz;         ///< m, identified
+  Eigen::MatrixXd values;               ///< s×m
+  Eigen::MatrixXd noise;                ///< s×m: standard deviation of each value, in its unit
   std::optional<BothSides> sides = {};  ///< of a modal model
 
   [[nodiscard]] Eigen::Index mode_count() const { return frequency_hz.size(); }
@@ -103,14 +103,17 @@ class ModeField {
   ModeField(const ModeField&) = delete;
   ModeField& operator=(const ModeField&) = delete;
 
-  /// @throws InvalidInput  `places` lacks what the method needs (shapes, a common direction)
-  [[nodiscard]] virtual Field at(const Places& places) const = 0;
+  /// @throws InvalidInput  `places` lacks what the method needs (shapes, a common direction), its
+  ///                       arrays have unequal rows or hold a number that is not finite
+  [[nodiscard]] Field at(const Places& places) const;
   [[nodiscard]] const FitSummary& summary() const { return summary_; }
 
  protected:
   explicit ModeField(FitSummary summary) : summary_(std::move(summary)) {}
 
  private:
+  [[nodiscard]] virtual Field field_at(const Places& places) const = 0;
+
   FitSummary summary_;
 };
 

@@ -60,7 +60,7 @@ EuclideanField::EuclideanField(std::vector<EuclideanShape> shapes,
       direction_(direction),
       method_(std::move(method)) {}
 
-Field EuclideanField::at(const Places& places) const {
+Field EuclideanField::field_at(const Places& places) const {
   require_direction(method_, places, direction_);
   const auto n = places.count();
   const auto m = static_cast<Eigen::Index>(shapes_.size());

@@ -31,7 +31,7 @@ class EuclideanField : public ModeField {
                  std::string method, FitSummary summary);
 
   /// @throws InvalidInput  a place has another direction
-  [[nodiscard]] Field at(const Places& places) const override;
+  [[nodiscard]] Field field_at(const Places& places) const override;
 
  private:
   std::vector<EuclideanShape> shapes_;

@@ -60,6 +60,9 @@ std::vector<Eigen::Index> modes_in_band(const MeasuredShapes& measured,
 std::unique_ptr<ModeField> least_squares(const MeasuredShapes& measured,
                                          const Simulation& simulation) {
   const auto columns = modes_in_band(measured, simulation);
+  require(!columns.empty(),
+          "serep: no simulated mode that the places see lies in the band of the measured ones; "
+          "expected one or more, or another method");
   const Eigen::MatrixXd rows = measured.places.shapes(Eigen::all, columns);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(rows);
   std::vector<ShapeCoefficients> shapes;

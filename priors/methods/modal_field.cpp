@@ -47,7 +47,7 @@ void ModalField::add_deviations(const Places& places, Eigen::Index first, Eigen:
   }
 }
 
-Field ModalField::at(const Places& places) const {
+Field ModalField::field_at(const Places& places) const {
   const auto n = places.count();
   require(places.shapes.rows() == n && places.shapes.cols() == means_.rows(),
           "mode field: the places carry " + fmt::to_string(places.shapes.cols()) +

@@ -21,7 +21,7 @@ class ModalField : public ModeField {
   ModalField(std::vector<ShapeCoefficients> shapes, FitSummary summary);
 
   /// @throws InvalidInput  places without the r modes
-  [[nodiscard]] Field at(const Places& places) const override;
+  [[nodiscard]] Field field_at(const Places& places) const override;
 
   /// One per measured mode.
   [[nodiscard]] const std::vector<ShapeCoefficients>& shapes() const { return shapes_; }

@@ -34,8 +34,8 @@ class OneScaleField : public ModalField {
             Constants::same_place;
   }
 
-  [[nodiscard]] Field at(const Places& places) const override {
-    auto field = ModalField::at(places);
+  [[nodiscard]] Field field_at(const Places& places) const override {
+    auto field = ModalField::field_at(places);
     for (Eigen::Index i = 0; i < places.count(); ++i) {
       for (Eigen::Index k = 0; k < measured_.places.count(); ++k) {
         if (is_same(places, i, k)) keep(k, i, field);

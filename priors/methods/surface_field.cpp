@@ -59,7 +59,7 @@ class SurfaceField final : public ModeField {
         direction_(std::move(direction)),
         shapes_(std::move(shapes)) {}
 
-  [[nodiscard]] Field at(const Places& places) const override {
+  [[nodiscard]] Field field_at(const Places& places) const override {
     const auto& harmonics = harmonics_of(places, shapes_.front().coefficients.size());
     const Eigen::VectorXd sense = senses(direction_, places.direction);
     const auto n = places.count();

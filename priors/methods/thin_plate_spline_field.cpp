@@ -45,7 +45,7 @@ class SplineField final : public ModeField {
         trends_(std::move(trends)),
         alike_(std::move(alike)) {}
 
-  [[nodiscard]] Field at(const Places& places) const override {
+  [[nodiscard]] Field field_at(const Places& places) const override {
     const auto n = places.count();
     const Eigen::VectorXd sense = senses(domain_.direction, places.direction);
     const Eigen::MatrixXd where = coordinates(domain_, places.position);

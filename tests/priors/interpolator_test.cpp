@@ -132,9 +132,34 @@ TEST_P(Every, RefusesWhatNoMethodCanUse) {
   refused(bad, "same point");
 }
 
+// A row that is missing is not read behind the end of its array.
+TEST_P(Every, RefusesPlacesWhoseRowsDoNotAgree) {
+  const auto field = mode_field(method, made.measured, made.simulation);
+  const auto& surface = made.simulation.surface;
+  Places few = surface;
+  few.direction = surface.direction.topRows(1);
+  EXPECT_THROW((void)field->at(few), InvalidInput);
+  few = surface;
+  few.position = surface.position.topRows(3);
+  EXPECT_THROW((void)field->at(few), InvalidInput);
+  few = surface;
+  few.shapes = surface.shapes.topRows(3);
+  EXPECT_THROW((void)field->at(few), InvalidInput);
+  auto bad = made;
+  bad.simulation.surface.shapes = surface.shapes.topRows(3);
+  EXPECT_THROW((void)mode_field(method, bad.measured, bad.simulation), InvalidInput);
+}
+
 INSTANTIATE_TEST_SUITE_P(Interpolator, Every,
                          testing::ValuesIn(interpolators().begin(), interpolators().end()),
                          [](const auto& one) { return std::string(one.param->name); });
+
+TEST(Serep, NeedsASimulatedModeInItsBand) {
+  auto made = plate_case("rings", 1, 8);
+  made.simulation.frequency_hz.array() += 1e6;
+  EXPECT_THROW((void)mode_field(interpolator("serep"), made.measured, made.simulation),
+               InvalidInput);
+}
 
 // Methods that trust the values: near the measured ones, surer there than elsewhere.
 class Trusting : public testing::TestWithParam<const char*> {};
