@@ -214,16 +214,19 @@ double gain_deviation(const ChannelGains& gains) {
   const auto& pairs = gains.match.pairs;
   double square = 0.0;
   double excess = 0.0;
+  double telling = 0.0;
   for (const auto& pair : pairs) {
+    if (pair.modes == 0) continue;  // it says nothing
+    telling += 1.0;
     const double ratio = std::log(pair.ratio);
     square += ratio * ratio;
     excess = std::max(excess, std::abs(ratio) - kBeyond * pair.ratio_std);
   }
-  const double known = static_cast<double>(pairs.size()) - 1.0;
+  const double known = telling - 1.0;
   if (known < 1.0) return gains.corrects_gains ? kLevel : 0.0;
   if (gains.corrects_gains) square += kWorth * kLevel * kLevel;
   if (!gains.corrects_gains && excess <= 0.0) return 0.0;
-  return std::sqrt(square / known * (1.0 + 1.0 / static_cast<double>(pairs.size())));
+  return std::sqrt(square / known * (1.0 + 1.0 / telling));
 }
 
 double residual_factor(const GainMatch& match, const FieldSimulation& simulation) {

@@ -8,6 +8,7 @@
 #include <complex>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "base/turn.h"
@@ -90,18 +91,28 @@ Eigen::VectorXd input_delays(const ModalFit& fit) {
   return all;
 }
 
+// Variance of the delays of the sensors that were measured, about their mean [s²].
+double scatter(const ModalFit& fit) {
+  std::vector<double> known;
+  for (Eigen::Index i = 0; i < fit.channel_delay_s.size(); ++i) {
+    const bool is_known =
+        fit.channel_delay_std_s.size() == 0 || std::isfinite(fit.channel_delay_std_s(i));
+    if (is_known) known.push_back(fit.channel_delay_s(i));
+  }
+  if (known.size() < 2) return 0.0;
+  const Eigen::Map<const Eigen::ArrayXd> all(known.data(), static_cast<Eigen::Index>(known.size()));
+  return (all - all.mean()).square().sum() / static_cast<double>(known.size() - 1);
+}
+
 // Variances of these delays [s²]. At a place without a sensor the delays of outputs are known by
-// their mean, about which they scatter.
+// their mean, about which those of the sensors that were measured scatter.
 Eigen::VectorXd delay_variance(const ModalFit& fit) {
   const auto q = fit.model.input_count();
-  const auto n = fit.channel_delay_s.size();
   if (fit.delay_of == DelayOf::inputs && fit.channel_delay_std_s.size() == q) {
     return fit.channel_delay_std_s.cwiseAbs2();
   }
   double variance = fit.delay_std_s * fit.delay_std_s;
-  if (fit.delay_of == DelayOf::outputs && n > 1) {
-    variance += fit.channel_delay_s.squaredNorm() / static_cast<double>(n - 1);
-  }
+  if (fit.delay_of == DelayOf::outputs) variance += scatter(fit);
   return Eigen::VectorXd::Constant(q, variance);
 }
 

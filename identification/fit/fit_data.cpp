@@ -106,6 +106,36 @@ struct Response {
   Eigen::VectorXd variance;  // 0: not stated
 };
 
+// The median of the variances above 0 that are nearest to line k.
+double variance_nearby(const Eigen::VectorXd& variance, Eigen::Index k) {
+  std::vector<double> near;
+  for (Eigen::Index by = 1;
+       std::ssize(near) < 2 * Constants::variance_reach && by < variance.size(); ++by) {
+    for (const Eigen::Index line : {k - by, k + by}) {
+      const bool within = line >= 0 && line < variance.size();
+      if (within && variance(line) > 0.0) near.push_back(variance(line));
+    }
+  }
+  const auto middle = near.begin() + static_cast<std::ptrdiff_t>(near.size() / 2);
+  std::ranges::nth_element(near, middle);
+  return *middle;
+}
+
+// A variance of 0 beside others above 0 is none: the line has that of its neighbours. A line whose
+// value is 0 as well was not measured, as exporters write lines that were not excited.
+void fill_variances(Response& one) {
+  if (!(one.variance.maxCoeff() > 0.0)) return;
+  const Eigen::VectorXd stated = one.variance;
+  for (Eigen::Index k = 0; k < stated.size(); ++k) {
+    if (one.there(k) == 0.0 || stated(k) > 0.0) continue;
+    if (one.value(k) == 0.0) {
+      one.there(k) = 0.0;
+    } else {
+      one.variance(k) = variance_nearby(stated, k);
+    }
+  }
+}
+
 Response response_of(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j) {
   const Eigen::Index count = set.line_count();
   Response one{Eigen::VectorXcd::Zero(count), Eigen::VectorXd::Zero(count),
@@ -125,6 +155,7 @@ Response response_of(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j) {
     }
     one.variance(k) = variance;
   }
+  fill_variances(one);
   return one;
 }
 

@@ -36,6 +36,22 @@ TEST(FitData, WeighsByTheStatedDeviation) {
   }
 }
 
+// A variance of 0 beside others is none, and a value of 0 with it was not measured.
+TEST(FitData, TakesAVarianceOfNothingFromTheNeighbours) {
+  auto set = simulators::beam5x3().measured;
+  const auto full = fit_data(set);
+  for (const std::size_t k : {100U, 101U, 300U}) set.variance[k](2, 1) = 0.0;
+  set.variance[200](2, 1) = 0.0;
+  set.value[200](2, 1) = 0.0;
+  const auto data = fit_data(set);
+  const Eigen::Index column = 2 + 5 * 1;
+  for (const Eigen::Index k : {100, 101, 300}) {
+    EXPECT_NEAR(std::log(data.weight(k, column) / full.weight(k, column)), 0.0, 1.0) << k;
+  }
+  EXPECT_EQ(data.weight(200, column), 0.0);
+  EXPECT_EQ(data.weight(400, column), full.weight(400, column));
+}
+
 // White noise that is not stated is found, gaps or not.
 TEST(FitData, EstimatesNoiseThatIsNotStatedAroundGaps) {
   auto set = beam(3.0);

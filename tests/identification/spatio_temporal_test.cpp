@@ -164,6 +164,10 @@ TEST(SpatioTemporal, HasTheDelaysOfChannelsInItsBand) {
   one.fit.delay_of = DelayOf::outputs;
   one.fit.channel_delay_s = Eigen::VectorXd{{-2e-4, -1e-4, 0.0, 1e-4, 2e-4}};
   EXPECT_NEAR(delay_std(2), std::sqrt(1e-7 / 4.0), 1e-8);
+  // A sensor that was not measured has no delay, whatever stands in its place.
+  one.fit.channel_delay_s(4) = -3e-3;
+  one.fit.channel_delay_std_s(4) = std::numeric_limits<double>::infinity();
+  EXPECT_NEAR(delay_std(2), std::sqrt(5e-8 / 3.0), 1e-8);
 }
 
 TEST(SpatioTemporal, FindsTheRowOfAFurtherSensor) {
