@@ -24,6 +24,7 @@ std::vector<Parameter> of_each(const Structure& structure) {
 
 template <Side side>
 Index are_on_the_surface(const Structure& structure) {
+  if (has_surface(structure) == 0) return 0;
   const auto& places = channels_of<side>(structure).places;
   for (const auto place : places.rowwise()) {
     if (!structure.surface.at(place.transpose())) return 0;

@@ -1,5 +1,7 @@
 #include "diagnosis/modes/modes_fit.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -369,7 +371,11 @@ ModesFit ModesProblem::fitted(const ModesFit& start, int rounds) const {
     first.constants = VectorXd::Zero(static_cast<Index>(constants_.size()));
   }
   Descent descent(*this, first);
-  if (!descent.begin()) return first;
+  if (!descent.begin()) {  // no body is like this, whatever the start was worth
+    first.log_evidence = -kInfinite;
+    first.objective = kInfinite;
+    return first;
+  }
   double before = kInfinite;
   for (int round = 0; round < rounds; ++round) {
     descent.round();
@@ -384,7 +390,16 @@ ModesFit ModesProblem::fitted(const ModesFit& start, int rounds) const {
 ModesFit ModesProblem::nothing(const Disturbed& disturbed) const {
   ModesFit start;
   start.disturbed = disturbed;
-  return constants_.empty() ? fitted(start) : calibrated(*this, start);
+  auto fit = constants_.empty() ? fitted(start) : calibrated(*this, start);
+  if (fit.matching.model.empty()) {
+    const auto& hz = measured_.frequency_hz;
+    throw InvalidInput(
+        fmt::format("the measured modes, {:.5g} to {:.5g} Hz, are far from all simulated ones, up "
+                    "to {:.5g} Hz; "
+                    "expected frequencies in Hz of this structure",
+                    hz.minCoeff(), hz.maxCoeff(), structure_.frequency_hz.maxCoeff()));
+  }
+  return fit;
 }
 
 }  // namespace chladni::diagnosis

@@ -76,6 +76,7 @@ class ModesProblem {
   [[nodiscard]] ModesFit fitted(const ModesFit& start, int rounds = kRounds) const;
   static constexpr int kRounds = 8;
   /// The structure as it is, with its constants calibrated and levels learned.
+  /// @throws InvalidInput  no simulated mode is in reach of the measured ones
   [[nodiscard]] ModesFit nothing(const Disturbed& disturbed = {}) const;
 
  private:

@@ -304,6 +304,20 @@ material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 k
   EXPECT_TRUE(says(run({"modes", study.string(), "--animate", "0"}).err, "1 to 1000000"));
 }
 
+// Frequencies of another structure, or in kHz: there is no pair to begin with.
+TEST_F(CommandLine, MeasuredModesFarFromAllSimulatedOnesAreRefused) {
+  write("far.csv", "frequency_hz\n0.15\n");
+  const auto file = write("far.toml",
+                          "geometry = { plate = { length = \"400 mm\", width = \"300 mm\", "
+                          "thickness = \"12 mm\" } }\nmaterial = \"aluminium 6061\"\n"
+                          "modes = { count = 6, damping_ratio = 0.005 }\n"
+                          "measurement.modes = \"far.csv\"\n[[sensor]]\nname = \"s1\"\n"
+                          "at = [\"-150 mm\", \"-100 mm\"]\ndirection = \"z\"\n");
+  const auto done = run({"diagnose", file.string(), "-o", "far", "--no-pictures"});
+  EXPECT_EQ(done.status, 3) << done.err;
+  EXPECT_TRUE(says(done.err, "far from all simulated ones")) << done.err;
+}
+
 TEST_F(CommandLine, OnlyVerbsThatLeaveModesAnimateOne) {
   for (const auto* verb : {"place", "priors", "experiment", "simulate", "identify", "interpolate",
                            "observe", "compare", "diagnose"}) {

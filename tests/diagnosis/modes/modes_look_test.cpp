@@ -135,6 +135,17 @@ TEST(ModesLook, RanksCausesAsTheFullFitDoesWhereLevelsAreKnown) {
   EXPECT_NEAR(difference("thickness", 0, VectorXd::Constant(1, 0.02)), of_gain, 0.5);
 }
 
+// What takes more mass than there is has no evidence, not that of the fit that it began with.
+TEST(ModesProblem, GivesNoEvidenceToWhatNoBodyIsLike) {
+  const auto measured = measured_of(modes_of(state_of(small_plate())), 0.02);
+  const ModesProblem known(small_plate(), measured, Tolerances{}, false);
+  ModesFit start = known.nothing();
+  ASSERT_TRUE(std::isfinite(start.log_evidence));
+  const VectorXd taken{{-2.0 * small_plate().mass_kg, 0.0, 0.0}};
+  start.causes.push_back({&effect("point_mass"), 0, taken});
+  EXPECT_FALSE(std::isfinite(known.fitted(start).log_evidence));
+}
+
 // A strip among whose five sensors one reads half of what it should, whose frequencies are 1.4 %
 // and shapes 7 % off: the truth has neither the model nor the errors of this room. The cause has 14
 // more ln evidence than scatter of all gains, and was not looked at.
