@@ -133,6 +133,7 @@ long together(long k, long columns) { return k + 4 <= columns ? 4 : 1; }
 }  // namespace
 
 void sweep_up(Block strip, Block front) {
+  if (front.columns == 0) return;  // without columns there is no data
   for (long k = 0, step = 0; k < strip.columns; k += step) {
     step = together(k, strip.columns);
     for (long c = 0; c < front.columns; ++c) {
@@ -148,6 +149,7 @@ void sweep_up(Block strip, Block front) {
 }
 
 void sweep_down(Block strip, Block front) {
+  if (front.columns == 0) return;
   // Takes the column groups of sweep_up in reverse order. Single columns are at the end.
   for (long k = strip.columns, step = 0; k > 0;) {
     step = k % 4 == 0 ? 4 : 1;
