@@ -96,10 +96,10 @@ void leave_scripts(const SweepCommand& command, const sweep::Sweep& sweep, std::
                                .variants = sweep.size(),
                                .threads = command.threads,
                                .flags = flags_of(command)};
-  write_atomically(folder / "sweep.sbatch", sweep::slurm_script(plan));
-  write_atomically(folder / "sweep.mk", sweep::makefile(plan));
   const auto sbatch = (folder / "sweep.sbatch").string();
   const auto make = (folder / "sweep.mk").string();
+  write_atomically(sbatch, sweep::slurm_script(plan));
+  write_atomically(make, sweep::makefile(plan));
   if (command.json) {
     results << io::text(
         io::JsonObject{{"variants", sweep.size()}, {"sbatch", sbatch}, {"makefile", make}});

@@ -14,7 +14,7 @@
 #include "base/turn.h"
 #include "cluster/reply.h"
 #include "fem/given_modes.h"
-#include "host/file_lock.h"
+#include "host/descriptor.h"
 #include "host/worker.h"
 #include "io/matrix.h"
 

@@ -5,9 +5,12 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <filesystem>
 #include <string>
 #include <system_error>
 #include <utility>
+
+#include "base/error.h"
 
 namespace chladni {
 
@@ -19,6 +22,17 @@ namespace chladni {
 [[nodiscard]] inline bool is_shortage(int error) {
   return error == ENOSPC || error == EDQUOT || error == EFBIG || error == EIO || error == EMFILE ||
          error == ENFILE || error == ENOMEM;
+}
+
+// The error of a path that cannot be made, opened or locked. @param error  errno
+// @throws OutOfResources  a shortage; InvalidInput  else
+[[noreturn]] inline void throw_path_error(int error, const std::string& what) {
+  const std::string text = what.empty() ? reason(error) : what + ": " + reason(error);
+  if (is_shortage(error)) throw OutOfResources(text);
+  throw InvalidInput(text + "; expected a path that can be used");
+}
+[[noreturn]] inline void throw_path_error(const std::filesystem::filesystem_error& e) {
+  throw_path_error(e.code().value(), e.path1().string());
 }
 
 // Moves a descriptor that has the number of a standard stream to a higher one, closed on exec. A

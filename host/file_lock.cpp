@@ -4,9 +4,6 @@
 
 #include <cerrno>
 
-#include "base/error.h"
-#include "host/descriptor.h"
-
 namespace chladni {
 
 FileLock tried_lock(int descriptor) {
@@ -16,12 +13,6 @@ FileLock tried_lock(int descriptor) {
 FileLock lock_after(int error) {
   if (error == 0) return FileLock::held;
   return error == EWOULDBLOCK ? FileLock::elsewhere : FileLock::none;
-}
-
-void throw_path_error(int error, const std::string& what) {
-  const std::string text = what + ": " + reason(error);
-  if (is_shortage(error)) throw OutOfResources(text);
-  throw InvalidInput(text + "; expected a path that can be used");
 }
 
 }  // namespace chladni

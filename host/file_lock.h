@@ -1,7 +1,5 @@
-// Locks on files that several runs may share, and what an error on a path means.
+// Locks on files that several runs may share.
 #pragma once
-
-#include <string>
 
 namespace chladni {
 
@@ -16,10 +14,5 @@ enum class FileLock {
 
 /// What an error of flock says. @param error  errno; 0: there was none
 [[nodiscard]] FileLock lock_after(int error);
-
-/// The error of a path that cannot be made, opened or locked. @param error  errno
-/// @throws OutOfResources  the machine lacks room, descriptors or memory, or a disk fails
-/// @throws InvalidInput    else: the place is a bad one
-[[noreturn]] void throw_path_error(int error, const std::string& what);
 
 }  // namespace chladni

@@ -266,8 +266,7 @@ class Talk {
     const auto count =
         unless_interrupted([&] { return ::read(end, block_.data(), block_.size()); });
     if (count < 0 && errno != EAGAIN) {
-      throw WorkerDied("what " + worker_ +
-                       " writes cannot be read: " + std::generic_category().message(errno));
+      throw WorkerDied("what " + worker_ + " writes cannot be read: " + reason(errno));
     }
     if (count > 0) into.append(block_.data(), static_cast<std::size_t>(count));
     if (count == 0) Pipe::close_end(end);

@@ -47,20 +47,14 @@ void need_numpy() {
   }
 }
 
-// Turns Ctrl-C in a long call into Python's KeyboardInterrupt, and the error of a path into what it
-// is on the command line.
+// Turns Ctrl-C in a long call into Python's KeyboardInterrupt, and the error of a path into ours.
 void translate_others(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const Interrupted& stopped) {
     PyErr_SetString(PyExc_KeyboardInterrupt, stopped.what());
   } catch (const fs::filesystem_error& fault) {
-    const std::string name = fault.path1().empty() ? "" : fault.path1().string() + ": ";
-    const bool lacks = is_shortage(fault.code().value());
-    const auto error =
-        py::module_::import("chladni._chladni").attr(lacks ? "OutOfResources" : "InvalidInput");
-    const auto* expected = lacks ? "" : "; expected a path that can be used";
-    PyErr_SetString(error.ptr(), (name + fault.code().message() + expected).c_str());
+    throw_path_error(fault);  // pybind11 asks the other translators about it
   }
 }
 

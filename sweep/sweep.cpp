@@ -11,7 +11,7 @@
 #include "base/interrupt.h"
 #include "base/sha256.h"
 #include "host/atomic_file.h"
-#include "host/file_lock.h"
+#include "host/descriptor.h"
 #include "host/folder.h"
 #include "host/worker.h"
 #include "show/version.h"

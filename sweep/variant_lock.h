@@ -3,6 +3,8 @@
 
 #include <filesystem>
 
+#include "host/descriptor.h"
+
 namespace chladni::sweep {
 
 /// Tries to lock a file, and holds the lock until the end. A process that dies leaves none. On a
@@ -12,17 +14,12 @@ class VariantLock {
  public:
   /// @throws OutOfResources, InvalidInput  the file cannot be made
   explicit VariantLock(const std::filesystem::path& file);
-  ~VariantLock();
-  VariantLock(const VariantLock&) = delete;
-  VariantLock& operator=(const VariantLock&) = delete;
-  VariantLock(VariantLock&&) = delete;
-  VariantLock& operator=(VariantLock&&) = delete;
 
   /// Whether another process holds it.
   [[nodiscard]] bool is_elsewhere() const { return is_elsewhere_; }
 
  private:
-  int descriptor_ = -1;
+  Descriptor lock_;
   bool is_elsewhere_ = false;
 };
 

@@ -33,12 +33,6 @@ struct ErrorTeller {
     return code;
   }
 
-  [[nodiscard]] int of_path(const std::filesystem::filesystem_error& e) const {
-    const auto what = (e.path1().empty() ? "" : e.path1().string() + ": ") + e.code().message();
-    if (is_shortage(e.code().value())) return (*this)(what, kOutOfResources);
-    return (*this)(what + "; expected a path that can be used", kInvalidInput);
-  }
-
   [[nodiscard]] int unforeseen(const std::string& what) const {
     return (*this)(
         "chladni cannot go on: " + what + "; this is a fault of Chladni " + show::version(),
@@ -66,7 +60,11 @@ int told_error(const ErrorTeller& tell) {
     return tell("out of memory; choose a longer mesh.edge_length or a lower mesh.order",
                 kOutOfResources);
   } catch (const std::filesystem::filesystem_error& e) {
-    return tell.of_path(e);
+    try {
+      throw_path_error(e);
+    } catch (...) {
+      return told_error(tell);
+    }
   } catch (const std::system_error& e) {
     return tell(e.what(), kOutOfResources);
   } catch (const std::exception& e) {

@@ -12,7 +12,6 @@
 #include <system_error>
 
 #include "base/error.h"
-#include "host/descriptor.h"
 #include "host/file_lock.h"
 
 namespace chladni::show {
@@ -56,33 +55,28 @@ OutputFolder::OutputFolder(const std::filesystem::path& folder)
               (fault ? fault.message() : "something else has that name") +
               "; choose another with -o");
   do {
-    if (descriptor_ >= 0) close(descriptor_);
-    descriptor_ = open(lock_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
+    descriptor_.hold(open(lock_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644));
     const int error = errno;
-    if (descriptor_ < 0 && is_shortage(error)) {
+    const bool is_open = descriptor_.number() >= 0;
+    if (!is_open && is_shortage(error)) {
       throw_path_error(error, "cannot write to the output folder " + folder.string());
     }
-    require(descriptor_ >= 0, "cannot write to the output folder " + folder.string() + ": " +
-                                  reason(error) + "; choose another with -o");
-    if (tried_lock(descriptor_) == FileLock::elsewhere) {
-      const std::string who = holder(descriptor_);
-      close(descriptor_);
-      throw InvalidInput("another run (process " + who + ") is writing to the output folder " +
-                         folder.string() + "; wait for it or choose another with -o");
+    require(is_open, "cannot write to the output folder " + folder.string() + ": " + reason(error) +
+                         "; choose another with -o");
+    if (tried_lock(descriptor_.number()) == FileLock::elsewhere) {
+      throw InvalidInput("another run (process " + holder(descriptor_.number()) +
+                         ") is writing to the output folder " + folder.string() +
+                         "; wait for it or choose another with -o");
     }
-  } while (is_stale(descriptor_));
+  } while (is_stale(descriptor_.number()));
   try {
-    write_own_number(descriptor_, folder);
+    write_own_number(descriptor_.number(), folder);
   } catch (...) {
     unlink(lock_.c_str());
-    close(descriptor_);
     throw;
   }
 }
 
-OutputFolder::~OutputFolder() {
-  unlink(lock_.c_str());
-  close(descriptor_);
-}
+OutputFolder::~OutputFolder() { unlink(lock_.c_str()); }
 
 }  // namespace chladni::show

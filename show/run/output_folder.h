@@ -3,6 +3,8 @@
 
 #include <filesystem>
 
+#include "host/descriptor.h"
+
 namespace chladni::show {
 
 /// Creates `folder`, checks that it can be written, and holds a lock with this process's number
@@ -23,7 +25,7 @@ class OutputFolder {
 
  private:
   std::filesystem::path folder_, lock_;
-  int descriptor_ = -1;
+  Descriptor descriptor_;
 };
 
 }  // namespace chladni::show

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "fem/given_modes.h"
 #include "host/atomic_file.h"
-#include "host/file_lock.h"
+#include "host/descriptor.h"
 #include "io/csv.h"
 #include "io/matrix.h"
 #include "mesh/site.h"

@@ -6,7 +6,6 @@
 #include <cerrno>
 #include <filesystem>
 
-#include "base/error.h"
 #include "host/descriptor.h"
 
 namespace chladni {
@@ -25,15 +24,6 @@ TEST(FileLock, IsHeldOnce) {
 TEST(FileLock, IsMissingOnSomeFileSystems) {
   for (const int error : {ENOSYS, ENOLCK, EOPNOTSUPP}) {
     EXPECT_EQ(lock_after(error), FileLock::none) << error;
-  }
-}
-
-TEST(PathError, IsAShortageOrABadPlace) {
-  for (const int error : {ENOSPC, EDQUOT, EMFILE}) {
-    EXPECT_THROW(throw_path_error(error, "no"), OutOfResources) << error;
-  }
-  for (const int error : {EACCES, ENOTDIR, EROFS}) {
-    EXPECT_THROW(throw_path_error(error, "no"), InvalidInput) << error;
   }
 }
 
