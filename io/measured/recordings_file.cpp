@@ -173,7 +173,7 @@ class Pieces {
     return std::ssize(head_.data.outputs) + std::ssize(head_.data.inputs) +
            std::ssize(head_.data.references);
   }
-  // Of the record that ends.
+  // Those of the record that ends.
   [[nodiscard]] RecordedTimes times() const {
     const auto record = recordings_.records.size() - 1;
     const auto column = channel_count();

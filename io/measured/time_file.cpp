@@ -26,9 +26,11 @@ std::vector<std::string> write_time(const std::filesystem::path& file,
     case MeasuredFormat::csv:
       write_atomically(file, time_csv(data));
       return lost_in_csv({&data.outputs, &data.inputs, &data.references});
-    case MeasuredFormat::uff:
-      write_atomically(file, time_uff(data, UffEncoding::binary));
-      return lost_in_time_uff(data);
+    case MeasuredFormat::uff: {
+      std::vector<std::string> lost;
+      write_atomically(file, time_uff(data, UffEncoding::binary, lost));
+      return lost;
+    }
     case MeasuredFormat::mat:
       write_mat(file, mat_of_time(data), version);
       return {};

@@ -29,10 +29,10 @@ namespace chladni::io {
 /// Whether the begin of a file states a period, as time_uff writes it.
 [[nodiscard]] bool states_period(std::string_view begin_of_file);
 
-/// A universal file in SI with 13 digits (text) or all digits (binary).
+/// A universal file in SI with 13 digits (text) or all digits (binary). Adds to `lost`, in
+/// sentences, what of the channels such a file does not hold.
 /// @throws InvalidInput  a name has more than 60 letters or a line end
-[[nodiscard]] std::string time_uff(const recordings::TimeData& data, UffEncoding encoding);
-/// What of the channels such a file does not hold, in sentences.
-[[nodiscard]] std::vector<std::string> lost_in_time_uff(const recordings::TimeData& data);
+[[nodiscard]] std::string time_uff(const recordings::TimeData& data, UffEncoding encoding,
+                                   std::vector<std::string>& lost);
 
 }  // namespace chladni::io

@@ -30,22 +30,12 @@ UffAxis ordinate_of(const modal::MeasuredChannel& channel, Side side) {
   return axis;
 }
 
-UffSides sides_of(const recordings::TimeData& data) {
-  return {&data.outputs, &data.inputs, &data.references};
-}
-
 }  // namespace
 
-std::vector<std::string> lost_in_time_uff(const recordings::TimeData& data) {
-  std::vector<std::string> lost;
-  static_cast<void>(places_of(sides_of(data), dofs_of(sides_of(data)), lost));
-  return lost;
-}
-
-std::string time_uff(const recordings::TimeData& data, UffEncoding encoding) {
-  const auto sides = sides_of(data);
+std::string time_uff(const recordings::TimeData& data, UffEncoding encoding,
+                     std::vector<std::string>& lost) {
+  const UffSides sides{&data.outputs, &data.inputs, &data.references};
   const auto dofs = dofs_of(sides);
-  std::vector<std::string> lost;  // lost_in_time_uff tells
   std::string text = uff_head("recordings", places_of(sides, dofs, lost));
   UffFunction function;
   function.type = 1;

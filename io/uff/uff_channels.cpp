@@ -66,14 +66,25 @@ const char* si_of_rotation(modal::FrfKind kind) {
   return units[static_cast<std::size_t>(kind)];
 }
 
-// The unit of a label over that of a rotation: "rad", "(deg/s)", "RAD/S2/N".
-std::optional<double> rotation_of_label(std::string label, const std::string& si) {
+std::string without_brackets(std::string label) {
   std::erase_if(label, [](char c) { return c == '(' || c == ')' || c == '[' || c == ']'; });
+  return label;
+}
+
+// A unit in SI; none where it is of another kind.
+std::optional<double> factor_of(const std::string& unit, const std::string& si) {
+  try {
+    return unit_factor(unit, si);
+  } catch (const InvalidInput&) {
+    return std::nullopt;
+  }
+}
+
+// The unit of a label over that of a rotation: "rad", "(deg/s)", "RAD/S2/N".
+std::optional<double> rotation_of_label(const std::string& stated, const std::string& si) {
+  const auto label = without_brackets(stated);
   for (const auto& word : {label, lower(label)}) {
-    try {
-      return unit_factor(word, si);
-    } catch (const InvalidInput&) {  // another unit
-    }
+    if (const auto factor = factor_of(word, si)) return factor;
   }
   const auto stroke = label.rfind('/');
   if (stroke == std::string::npos || !force_unit(label.substr(stroke + 1))) return std::nullopt;
@@ -95,37 +106,35 @@ UffScale rotation_scale(const UffAxis& axis, modal::FrfKind kind) {
 }
 
 // The unit of a label over N m: "N m", "Nm", "N-mm", "lbf in".
-std::optional<double> moment_of_label(std::string label) {
-  std::erase_if(label, [](char c) { return c == '(' || c == ')' || c == '[' || c == ']'; });
+std::optional<double> moment_of_label(const std::string& stated) {
+  auto label = without_brackets(stated);
   std::ranges::replace_if(
       label, [](char c) { return c == '-' || c == '*' || c == '.'; }, ' ');
   if (label.starts_with("Nm")) label.insert(1, " ");
-  try {
-    return unit_factor(label, "N m");
-  } catch (const InvalidInput&) {
-    return std::nullopt;  // another unit
-  }
+  return factor_of(label, "N m");
 }
+
+// A reaction or an excitation.
+bool is_load(const UffAxis& axis) { return axis.type == 9 || axis.type == 13; }
 
 // The scale of a moment. Many programs state a unit of force for all channels of a file.
 UffScale moment_scale(const UffAxis& axis, const std::optional<UffUnits>& units) {
   UffScale scale;
-  const auto label = moment_of_label(axis.unit);
   const auto force = force_unit(axis.unit);
-  const bool is_load = axis.type == 13 || axis.type == 9;
-  if (label || force || is_load) scale.unit = "N m";
-  if (scale.unit.empty()) {
-    if (axis.type == 0) scale.unit = axis.unit;  // another unit such as volts stays as it is
-  } else if (label) {
+  const bool is_stated = units || !axis.unit.empty();
+  if (const auto label = moment_of_label(axis.unit)) {
     scale.factor = *label;
-  } else {
-    scale.factor = force.value_or(units ? units->force : 1.0) * (units ? units->length : 1.0);
+    scale.unit = "N m";
+  } else if (force || (is_load(axis) && is_stated)) {
+    const UffUnits of_file = units.value_or(UffUnits{});
+    scale.factor = force.value_or(of_file.force) * of_file.length;
+    scale.unit = "N m";
     if (!axis.unit.empty()) {
       scale.note = "the unit " + shown(axis.unit) + " is none of a moment: values are taken as " +
                    fmt::format("{:.6g} N m", scale.factor);
-    } else if (!units) {
-      scale.unit.clear();
     }
+  } else if (axis.type == 0) {
+    scale.unit = axis.unit;  // another unit such as volts stays as it is
   }
   return scale;
 }
@@ -211,7 +220,7 @@ UffScale force_scale(const UffDof& dof, const UffAxis& axis, const std::optional
       scale.note = "the unit " + shown(axis.unit) + " is not that of dataset 164 (" +
                    fmt::format("{:.6g}", units->force) + " N): the unit beside the values is taken";
     }
-  } else if (units && (axis.type == 13 || axis.type == 9)) {
+  } else if (units && is_load(axis)) {
     scale.factor = units->force;
     scale.unit = "N";
   } else if (axis.type == 0) {

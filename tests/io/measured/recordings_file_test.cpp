@@ -15,6 +15,7 @@
 #include "io/measured/time_columns.h"
 #include "io/uff/time_uff.h"
 #include "tests/io/measured/gzipped.h"
+#include "tests/io/measured/written_uff.h"
 #include "tests/refusal.h"
 
 namespace chladni::io {
@@ -291,7 +292,7 @@ TEST_F(RecordingsInPieces, AreThoseOfAUniversalFile) {
   data.outputs[0].kind = modal::FrfKind::accelerance;
   const auto file = folder_ / "recorded.uff";
   for (const auto encoding : {UffEncoding::text, UffEncoding::binary}) {
-    const auto text = time_uff(data, encoding);
+    const auto text = written_uff(data, encoding);
     for (const auto& unit : {"", "mm"}) {
       for (const bool packed : {false, true}) {
         const TimeOptions options{.unit = unit};
@@ -304,7 +305,7 @@ TEST_F(RecordingsInPieces, AreThoseOfAUniversalFile) {
 
 TEST_F(RecordingsInPieces, OfAUniversalFileAreReadSoWhereTheWholeIsTooLarge) {
   const auto file = folder_ / "recorded.uff";
-  const auto text = time_uff(recorded(2, 1024), UffEncoding::binary);
+  const auto text = written_uff(recorded(2, 1024), UffEncoding::binary);
   std::ofstream(file, std::ios::binary) << text;
   EXPECT_FALSE(is_read_in_pieces(file, {.limit_bytes = 20 * text.size()}));
   EXPECT_TRUE(is_read_in_pieces(file, {.limit_bytes = 19 * text.size()}));
@@ -314,13 +315,13 @@ TEST_F(RecordingsInPieces, OfAUniversalFileAreReadSoWhereTheWholeIsTooLarge) {
   EXPECT_FALSE(refusal_of([&] { return parse_time_uff(text, "", options); }).empty());
   auto blows = recorded(2, 1024);
   blows.period = 0;
-  std::ofstream(file, std::ios::binary) << time_uff(blows, UffEncoding::binary);
+  std::ofstream(file, std::ios::binary) << written_uff(blows, UffEncoding::binary);
   EXPECT_FALSE(is_read_in_pieces(file, {.limit_bytes = 1}));
   EXPECT_TRUE(is_read_in_pieces(file, {.period = 256, .limit_bytes = 1}));
 }
 
 TEST_F(RecordingsInPieces, OfAUniversalFileAreRefusedWithTheSameWords) {
-  const auto whole = time_uff(recorded(1, 64), UffEncoding::text);
+  const auto whole = written_uff(recorded(1, 64), UffEncoding::text);
   const auto dataset = [&](int number) {  // its place, from -1 to -1
     auto at = whole.find("    -1\n    58\n");
     for (int n = 0; n < number; ++n) at = whole.find("    -1\n    58\n", at + 1);
@@ -330,8 +331,8 @@ TEST_F(RecordingsInPieces, OfAUniversalFileAreRefusedWithTheSameWords) {
   other.sample_time_s = 1.0;
   const std::vector<std::string> bad{
       whole.substr(0, dataset(2)) + whole.substr(dataset(3)),  // a channel is missing
-      whole.substr(0, whole.size() / 2), whole + time_uff(other, UffEncoding::text), "no file\n",
-      time_uff(recorded(1, 1), UffEncoding::text)};
+      whole.substr(0, whole.size() / 2), whole + written_uff(other, UffEncoding::text), "no file\n",
+      written_uff(recorded(1, 1), UffEncoding::text)};
   const auto file = folder_ / "recorded.uff";
   for (const auto& text : bad) {
     std::ofstream(file, std::ios::binary) << text;

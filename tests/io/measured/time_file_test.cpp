@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "io/uff/time_uff.h"
 #include "tests/io/measured/frf_samples.h"
+#include "tests/io/measured/written_uff.h"
 #include "tests/refusal.h"
 
 namespace chladni::io {
@@ -73,7 +74,7 @@ TEST(TimeFile, UffReadsBackWhatItWroteToTheLastBit) {
   data.outputs[0].unit = "m/s";
   data.outputs[0].kind = modal::FrfKind::mobility;
   data.inputs[0].unit = "N";
-  const auto found = parse_time_uff(time_uff(data, UffEncoding::binary), "t.uff").data;
+  const auto found = parse_time_uff(written_uff(data, UffEncoding::binary), "t.uff").data;
   expect_same(found, data);
   EXPECT_EQ(found.outputs[0].unit, "m/s");
   EXPECT_EQ(found.outputs[0].kind, modal::FrfKind::mobility);
@@ -186,7 +187,7 @@ TEST(TimeFile, UffRealisationsAreAllDifferent) {
       data.records[r].realisation = versions[r];
     }
     std::vector<int> found;
-    const auto back = parse_time_uff(time_uff(data, UffEncoding::binary), "t.uff").data;
+    const auto back = parse_time_uff(written_uff(data, UffEncoding::binary), "t.uff").data;
     for (std::size_t r = 0; r < back.records.size(); ++r) {
       EXPECT_EQ(back.records[r].outputs, data.records[r].outputs);
       found.push_back(back.records[r].realisation);
@@ -280,7 +281,7 @@ TEST(TimeFile, UffRefusalsNameBoth) {
   auto data = random_recordings();
   data.records[1].inputs.conservativeResize(11, 1);
   try {
-    (void)parse_time_uff(time_uff(data, UffEncoding::text), "t.uff");
+    (void)parse_time_uff(written_uff(data, UffEncoding::text), "t.uff");
     FAIL() << "taken";
   } catch (const InvalidInput& e) {
     EXPECT_NE(std::string(e.what()).find("(z3) has 11"), std::string::npos) << e.what();

@@ -12,6 +12,7 @@
 #include "io/uff/frf_uff.h"
 #include "io/uff/time_uff.h"
 #include "tests/io/measured/uff_samples.h"
+#include "tests/io/measured/written_uff.h"
 
 namespace chladni::io {
 namespace {
@@ -234,7 +235,7 @@ TEST(UffSystems, ANameOfASensorAndAnActuatorHasTheSideOfTheFile) {
   EXPECT_EQ(found.inputs[0].name, "pair");
   EXPECT_EQ(found.records.size(), 1U);
   // What the file says itself counts more than the type.
-  const auto back = parse_time_uff(time_uff(found, UffEncoding::binary), "t.uff", options).data;
+  const auto back = parse_time_uff(written_uff(found, UffEncoding::binary), "t.uff", options).data;
   EXPECT_EQ(back.outputs.size(), 1U);
   EXPECT_EQ(back.inputs.size(), 1U);
   options.actuator_names.clear();
