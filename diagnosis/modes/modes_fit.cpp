@@ -5,7 +5,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -371,11 +370,8 @@ ModesFit ModesProblem::fitted(const ModesFit& start, int rounds) const {
     first.constants = VectorXd::Zero(static_cast<Index>(constants_.size()));
   }
   Descent descent(*this, first);
-  if (!descent.begin()) {  // no body is like this, whatever the start was worth
-    first.log_evidence = -kInfinite;
-    first.objective = kInfinite;
-    return first;
-  }
+  first.log_evidence = -kInfinite;  // where no body is like this, whatever the start was worth
+  if (!descent.begin()) return first;
   double before = kInfinite;
   for (int round = 0; round < rounds; ++round) {
     descent.round();
@@ -393,11 +389,10 @@ ModesFit ModesProblem::nothing(const Disturbed& disturbed) const {
   auto fit = constants_.empty() ? fitted(start) : calibrated(*this, start);
   if (fit.matching.model.empty()) {
     const auto& hz = measured_.frequency_hz;
-    throw InvalidInput(
-        fmt::format("the measured modes, {:.5g} to {:.5g} Hz, are far from all simulated ones, up "
-                    "to {:.5g} Hz; "
-                    "expected frequencies in Hz of this structure",
-                    hz.minCoeff(), hz.maxCoeff(), structure_.frequency_hz.maxCoeff()));
+    throw InvalidInput(fmt::format(
+        "the measured modes, {:.5g} to {:.5g} Hz, are far from all simulated ones, up to {:.5g} "
+        "Hz; expected frequencies in Hz of this structure",
+        hz.minCoeff(), hz.maxCoeff(), structure_.frequency_hz.maxCoeff()));
   }
   return fit;
 }

@@ -30,10 +30,10 @@ class EuclideanField : public ModeField {
   EuclideanField(std::vector<EuclideanShape> shapes, const Eigen::RowVector3d& direction,
                  std::string method, FitSummary summary);
 
+ private:
   /// @throws InvalidInput  a place has another direction
   [[nodiscard]] Field field_at(const Places& places) const override;
 
- private:
   std::vector<EuclideanShape> shapes_;
   Eigen::RowVector3d direction_;
   std::string method_;

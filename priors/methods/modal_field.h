@@ -20,11 +20,12 @@ class ModalField : public ModeField {
  public:
   ModalField(std::vector<ShapeCoefficients> shapes, FitSummary summary);
 
-  /// @throws InvalidInput  places without the r modes
-  [[nodiscard]] Field field_at(const Places& places) const override;
-
   /// One per measured mode.
   [[nodiscard]] const std::vector<ShapeCoefficients>& shapes() const { return shapes_; }
+
+ protected:
+  /// @throws InvalidInput  places without the r modes
+  [[nodiscard]] Field field_at(const Places& places) const override;
 
  private:
   void add_deviations(const Places& places, Eigen::Index first, Eigen::Index count,

@@ -34,6 +34,7 @@ class OneScaleField : public ModalField {
             Constants::same_place;
   }
 
+ protected:
   [[nodiscard]] Field field_at(const Places& places) const override {
     auto field = ModalField::field_at(places);
     for (Eigen::Index i = 0; i < places.count(); ++i) {

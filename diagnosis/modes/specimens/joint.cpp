@@ -63,6 +63,7 @@ MatrixXd known_part(const Series& series) {
 // Objective at some levels, and what a step of Fisher's scoring needs.
 struct JointModel::Scored {
   double value = HUGE_VAL;  // −ln of likelihood and prior, without constants
+  Eigen::LLT<MatrixXd> factor;
   VectorXd weighted, gradient;
   MatrixXd inverse, information;
 };
@@ -153,19 +154,19 @@ MatrixXd JointModel::slope(const VectorXd& ln_levels, Index level) const {
 // @param more  the columns that a supposition adds, times their transpose
 JointModel::Scored JointModel::scored(const MatrixXd& more, const VectorXd& x) const {
   Scored result;
-  const Eigen::LLT<MatrixXd> factor(MatrixXd(covariance(x) + more));
-  if (factor.info() != Eigen::Success) return result;
+  result.factor.compute(MatrixXd(covariance(x) + more));
+  if (result.factor.info() != Eigen::Success) return result;
   const VectorXd off = (x - usual_).cwiseQuotient(width_);
-  result.weighted = factor.solve(series_.error);
+  result.weighted = result.factor.solve(series_.error);
   result.value = 0.5 * series_.error.dot(result.weighted) +
-                 factor.matrixLLT().diagonal().array().log().sum() + 0.5 * off.squaredNorm();
-  result.inverse = dense::inverse_of(factor);
+                 result.factor.matrixLLT().diagonal().array().log().sum() + 0.5 * off.squaredNorm();
   return result;
 }
 
-// Gradient and Fisher's information of the objective at x.
+// Adds the inverse, and gradient and Fisher's information of the objective at x.
 void JointModel::add_slopes(const VectorXd& x, Scored& here) const {
   if (!std::isfinite(here.value)) return;
+  here.inverse = dense::inverse_of(here.factor);
   std::vector<MatrixXd> parts;
   here.gradient = (x - usual_).cwiseQuotient(width_).cwiseQuotient(width_);
   for (Index j = 0; j < x.size(); ++j) {
