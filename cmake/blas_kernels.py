@@ -1,7 +1,7 @@
 """Kernels of OpenBLAS that this processor can run.
 
-    blas_kernels.py                 all of them, a line each
-    blas_kernels.py --turn NUMBER   the one whose turn it is at this landing
+    blas_kernels.py                   all of them, a line each
+    blas_kernels.py --turn-of TREE    the one whose turn it is at the tree's landing
 
 OPENBLAS_CORETYPE takes the name. A kernel decides the last bits of every product, so no result may rest
 on one.
@@ -52,16 +52,14 @@ def turn_of(tree):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--turn", type=int)
     parser.add_argument("--turn-of", metavar="TREE")
-    told = parser.parse_args()
-    turn = turn_of(told.turn_of) if told.turn_of else told.turn
-    if turn is None:
+    tree = parser.parse_args().turn_of
+    if tree is None:
         print("\n".join(kernels()))
         return
     fast = [name for name in kernels() if name not in TOO_SLOW_FOR_A_TURN]
     if fast:
-        print(fast[turn % len(fast)])
+        print(fast[turn_of(tree) % len(fast)])
 
 
 if __name__ == "__main__":

@@ -44,7 +44,7 @@ STUDIES = [
 MEASURED = "modes = 19"
 # What --check takes: study or left-out sensor, and the ways whose order is asserted.
 CHECKED = [("default", "dynamic_residual"), ("thesis", "thin_plate_spline")]
-# Of y5 the thesis' fit turns on the last bits: its row is off by 6.3 % or 61 %.
+# The thesis' fit of y5 turns on the last bits: its row is off by 6.3 % or 61 %.
 CHECKED_MEASURED = {"y3": [("default", "dynamic_residual"), ("thesis", "squared_exponential")],
                     "y5": [("default", "dynamic_residual")]}
 

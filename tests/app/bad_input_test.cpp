@@ -134,7 +134,7 @@ TEST_F(BadInput, MoreModesThanThereAreIsRefused) {
   EXPECT_TRUE(says(refused.err, "400 flexible modes were asked for, expected 1 to "));
 }
 
-// Of so few degrees of freedom no frequency has few enough modes below it.
+// No frequency has few enough modes below it where there are so few degrees of freedom.
 TEST_F(BadInput, AFrequencyBeyondATinyMeshIsRefused) {
   const auto refused = check(plate_with(
       {{"edge_length = \"10 mm\", order = 2", "edge_length = \"1 m\", order = 1, layers = 1"},

@@ -76,7 +76,7 @@ TEST(ResponseCurves, OfManyLinesTheResonanceStays) {
                   .all());
 }
 
-// Of small numbers, as receptances are, one that is not measured is no peak.
+// A number that is not measured is no peak among small ones, as receptances are.
 TEST(ResponseCurves, ALineThatIsNotMeasuredHidesNoResonance) {
   auto one = resonance("s", 20'000, 1.1);
   one.measured *= 1e-9;
