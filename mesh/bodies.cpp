@@ -56,6 +56,20 @@ Eigen::RowVector3d on_ball(const Eigen::RowVector3d& cube) {
   return shell * spread.normalized();
 }
 
+// Cells along half an edge of the cube, so that no curved edge of the hole bends over the straight
+// edges of its wall of `shells` cells: the diagonal of a cell spans √2 π/4 over their number at
+// most, about, and rises by less than an eighth of a shell.
+int half_around(const Sphere& sphere, int shells) {
+  constexpr double kThinnest = 5.3e-4;  // of what a grid of 2 million bricks holds
+  const double outer = sphere.diameter / 2.0;
+  const double wall = outer - sphere.hole_diameter / 2.0;
+  require(wall >= kThinnest * outer,
+          fmt::format("sphere: a wall of {:.3g} mm on a radius of {:.3g} mm is too thin to be laid "
+                      "in layers; expected at least {:.3g} mm",
+                      1e3 * wall, 1e3 * outer, 1e3 * kThinnest * outer));
+  return static_cast<int>(std::ceil(std::sqrt(2.0 * outer * shells / wall)));
+}
+
 }  // namespace
 
 Surface surface(const Plate& plate) {
@@ -99,7 +113,9 @@ TetMesh layered(const Sphere& sphere, double edge_length) {
   const double outer = sphere.diameter / 2.0;
   const double inner = sphere.hole_diameter / 2.0;
   const int shells = cells_in(outer - inner, edge_length);
-  const int core = inner > 0.0 ? std::max(1, cells_in(inner, edge_length)) : 0;
+  const int core =
+      inner > 0.0 ? std::max(cells_in(inner, edge_length), half_around(sphere, shells) - shells)
+                  : 0;
   const int half = core + shells;
   const auto line = mirrored_lines(-1.0, {{0.0, half}, {1.0, half}});
   BrickGrid grid = BrickGrid::block(line, line, line);

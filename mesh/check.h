@@ -41,7 +41,7 @@ struct RepairOptions {
 
 /// Isotropic triangles of `edge_length` [m] that keep edges sharper than `sharp_degrees` and the
 /// borders between patches; patches are kept.
-/// @throws InvalidInput  edge_length is not positive
+/// @throws InvalidInput  edge_length is not positive, or more than 2 million triangles are needed
 [[nodiscard]] Surface remesh(const Surface& surface, double edge_length,
                              double sharp_degrees = 30.0);
 

@@ -22,6 +22,7 @@ constexpr double kPi = std::numbers::pi;
 // diameters stay in pairs unless n is a multiple of 6.
 constexpr int kSectors = 12;
 constexpr int kFewest = 2 * kSectors;  // nodes of the smallest ring
+constexpr double kMostTets = 1e7;
 
 // A flat triangulation. Its symmetries map the triangles and `rank` onto themselves. The two ends
 // of every edge differ in rank.
@@ -112,29 +113,51 @@ void join_doubled(Rings& rings, const std::vector<int>& in, const std::vector<in
   }
 }
 
-// Number of nodes on a ring of `radius`, where the ring inside it has `before` nodes.
-int nodes_on(double radius, int before, double edge_length) {
-  const double arc = 2.0 * kPi * radius / before;
-  return arc > 1.4 * edge_length ? 2 * before : before;
+// How far the circle is off the middle of one of n edges.
+double rise(double radius, int n) { return 2.0 * radius * std::pow(std::sin(0.5 * kPi / n), 2); }
+
+// Whether n nodes on a ring of `radius` are too few: their edges are too long, or the curved edges
+// of a wall of this ring and the next, `step` apart, bend over the straight edges between the two.
+bool too_few(double radius, int n, double step, double edge_length) {
+  constexpr double kLeastSteps = 8.0;  // half of what would turn a cell over
+  return 2.0 * kPi * radius / n > 1.4 * edge_length || kLeastSteps * rise(radius, n) > step;
 }
 
-Rings rings_of(const Disc& disc, double edge_length) {
+// The numbers of nodes of all rings, from the hole (or the centre: 1) to the rim.
+std::vector<int> nodes_of_rings(const Disc& disc, double edge_length) {
   const double inner = disc.hole_diameter / 2.0;
   const double outer = disc.diameter / 2.0;
   const int count = cells_in(outer - inner, edge_length);
-  Rings rings;
-  std::vector<int> before;
+  const double step = (outer - inner) / count;
+  std::vector<int> nodes;
   int n = kFewest;
   if (inner > 0.0) {
-    while (2.0 * kPi * inner / n > 1.4 * edge_length) n *= 2;
-    before = rings.hole = add_ring(rings, corner_radius(inner, n), n, 0);
+    while (n < kMostTets && too_few(inner, n, step, edge_length)) n *= 2;
+  }
+  nodes.push_back(inner > 0.0 ? n : 1);
+  for (int r = 1; r <= count; ++r) {
+    const double radius = inner + (outer - inner) * r / count;
+    if (nodes.back() > 1 && n < kMostTets && too_few(radius, n, step, edge_length)) n *= 2;
+    nodes.push_back(n);
+  }
+  return nodes;
+}
+
+Rings rings_of(const Disc& disc, const std::vector<int>& nodes) {
+  const double inner = disc.hole_diameter / 2.0;
+  const double outer = disc.diameter / 2.0;
+  const int count = static_cast<int>(nodes.size()) - 1;
+  Rings rings;
+  std::vector<int> before;
+  if (inner > 0.0) {
+    before = rings.hole = add_ring(rings, corner_radius(inner, nodes[0]), nodes[0], 0);
   } else {
     rings.points.emplace_back(0.0, 0.0);
     rings.rank.push_back(0);
   }
   for (int r = 1; r <= count; ++r) {
     const double radius = inner + (outer - inner) * r / count;
-    if (!before.empty()) n = nodes_on(radius, n, edge_length);
+    const int n = nodes[static_cast<std::size_t>(r)];
     const double to_corner = r == count ? corner_radius(radius, n) : radius;
     const std::vector<int> ring = add_ring(rings, to_corner, n, r);
     if (before.empty()) {
@@ -288,11 +311,14 @@ void put_faces(TetMesh& mesh, const std::vector<Face>& faces) {
 TetMesh layered(const Disc& disc, const Layering& layering) {
   require_fit(disc);
   require_fit(layering);
-  const double across = disc.diameter / layering.edge_length;
-  require(across * across * layering.layers < 4e6,
+  const auto nodes = nodes_of_rings(disc, layering.edge_length);
+  double triangles = 0.0;
+  for (std::size_t r = 1; r < nodes.size(); ++r)
+    triangles += static_cast<double>(nodes[r - 1]) + nodes[r];
+  require(3.0 * triangles * layering.layers < kMostTets,
           "mesh: the edge length makes more than 10 million tetrahedra of the disc; take a longer "
           "one, or look at the unit of the dimensions");
-  const Rings rings = rings_of(disc, layering.edge_length);
+  const Rings rings = rings_of(disc, nodes);
   const int n = static_cast<int>(rings.points.size());
   std::vector<std::array<int, 4>> tets;
   std::vector<Face> faces;

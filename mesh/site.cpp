@@ -42,6 +42,18 @@ Site site_at(const TetMesh& mesh, Eigen::Index face, const Eigen::Vector3d& bary
   return site;
 }
 
+// Whether `site` is the nearer one to a vertical line; of equally near ones the higher, then the
+// one on the face that looks up.
+bool is_rather(const Site& site, const Site& other, double slack) {
+  const double nearer = other.distance - site.distance;
+  if (std::abs(nearer) > slack) return nearer > 0.0;
+  const double higher = site.position.z() - other.position.z();
+  if (std::abs(higher) > slack) return higher > 0.0;
+  const double up = site.normal.z() - other.normal.z();
+  if (std::abs(up) > 1e-9) return up > 0.0;
+  return site.face < other.face;
+}
+
 }  // namespace
 
 // A tree of boxes around faces. Each box is halved at the median along its longest side. The
@@ -62,8 +74,8 @@ struct SiteFinder::Tree {
   void split(std::size_t node);
   /// The point where the vertical line meets a face that faces up.
   [[nodiscard]] std::optional<Site> crossing(std::int32_t face, double x, double y) const;
-  template <typename Visit>
-  void descend(const Eigen::Vector3d& point, const Visit& visit) const;
+  template <typename Away, typename Visit>
+  void descend(const Away& away, const Visit& visit) const;
 };
 
 SiteFinder::Tree::Tree(const TetMesh& of) : mesh(&of) {
@@ -115,13 +127,13 @@ void SiteFinder::Tree::split(std::size_t node) {
   nodes.push_back({.begin = middle, .end = end});
 }
 
-// Visits the faces of all leaves whose boxes may matter. `visit` returns the largest squared
-// distance that still matters; boxes beyond this distance are skipped. The nearer half comes first.
-template <typename Visit>
-void SiteFinder::Tree::descend(const Eigen::Vector3d& point, const Visit& visit) const {
+// Visits the faces of all leaves whose boxes may matter. `away` gives the squared distance of a
+// box. `visit` returns the largest squared distance that still matters; boxes beyond this distance
+// are skipped. The nearer half comes first.
+template <typename Away, typename Visit>
+void SiteFinder::Tree::descend(const Away& away, const Visit& visit) const {
   double reach = HUGE_VAL;
-  std::vector<std::pair<double, std::int32_t>> open{
-      {nodes[0].box.squaredExteriorDistance(point), 0}};
+  std::vector<std::pair<double, std::int32_t>> open{{away(nodes[0].box), 0}};
   while (!open.empty()) {
     const auto [distance, number] = open.back();
     open.pop_back();
@@ -135,8 +147,8 @@ void SiteFinder::Tree::descend(const Eigen::Vector3d& point, const Visit& visit)
     }
     const auto& left = nodes[static_cast<std::size_t>(node.left)];
     const auto& right = nodes[static_cast<std::size_t>(node.left) + 1];
-    const double to_left = left.box.squaredExteriorDistance(point);
-    const double to_right = right.box.squaredExteriorDistance(point);
+    const double to_left = away(left.box);
+    const double to_right = away(right.box);
     open.emplace_back(std::max(to_left, to_right), node.left + (to_left > to_right ? 0 : 1));
     open.emplace_back(std::min(to_left, to_right), node.left + (to_left > to_right ? 1 : 0));
   }
@@ -153,7 +165,8 @@ Site SiteFinder::nearest(const Eigen::Vector3d& point) const {
   double least = HUGE_VAL;
   std::int32_t best = -1;
   Eigen::Vector3d best_at = Eigen::Vector3d::Zero();
-  tree_->descend(point, [&](std::int32_t face) {
+  const auto away = [&](const Box& box) { return box.squaredExteriorDistance(point); };
+  tree_->descend(away, [&](std::int32_t face) {
     const FaceNodes nodes = nodes_of(mesh, face);
     const bool curved = tree_->curved[static_cast<std::size_t>(face)];
     const Eigen::Vector3d at = curved ? nearest_on_face(nodes, mesh.order(), point)
@@ -211,6 +224,36 @@ std::optional<Site> SiteFinder::from_above(double x, double y) const {
     }
   }
   return highest;
+}
+
+// The nearest point of a body that is squashed to the height 0 is the nearest one measured level. A
+// little of the height is left, so that of the points of an upright face the highest is found.
+Site SiteFinder::beside(double x, double y) const {
+  constexpr double kHeightLeft = 1e-4;
+  require(std::isfinite(x) && std::isfinite(y), "sites: the point asked for is not finite");
+  const TetMesh& mesh = *tree_->mesh;
+  const Box& whole = tree_->nodes[0].box;
+  const double slack = 1e-9 * whole.diagonal().norm();
+  const Eigen::Vector3d squashed(x, y, kHeightLeft * whole.max().z());
+  const auto away = [&](Box box) {
+    box.min().z() = -HUGE_VAL;
+    box.max().z() = HUGE_VAL;
+    return box.squaredExteriorDistance(squashed);
+  };
+  std::optional<Site> best;
+  tree_->descend(away, [&](std::int32_t face) {
+    FaceNodes nodes = nodes_of(mesh, face);
+    nodes.col(2) *= kHeightLeft;
+    Site site = site_at(mesh, face,
+                        tree_->curved[static_cast<std::size_t>(face)]
+                            ? nearest_on_face(nodes, mesh.order(), squashed)
+                            : nearest_in_triangle(nodes.topRows<3>(), squashed),
+                        squashed);
+    site.distance = (site.position.head<2>() - squashed.head<2>()).norm();
+    if (!best || is_rather(site, *best, slack)) best = std::move(site);
+    return std::pow(best->distance + slack, 2);
+  });
+  return *best;
 }
 
 Eigen::SparseVector<double> row_at(const Site& site, const Eigen::Vector3d& direction,

@@ -38,6 +38,11 @@ class SiteFinder {
   /// faces.
   [[nodiscard]] std::optional<Site> from_above(double x, double y) const;
 
+  /// The point of the boundary nearest to the vertical line through (x, y), measured level; the
+  /// highest of several, on a face that looks up where there is one. `distance` is that to the
+  /// line. Cost: as from_above.
+  [[nodiscard]] Site beside(double x, double y) const;
+
  private:
   struct Tree;
   std::unique_ptr<Tree> tree_;

@@ -287,7 +287,8 @@ TetMesh on_best_surface(const Surface& body, const MesherOptions& options, doubl
   const auto few_planes = [&] {
     return meshed(with_fewest_planes(body, edge_length), options, edge_length, OfSurface::refined);
   };
-  return better_mesh(isotropic_surface, few_planes, options.smallest_dihedral_degrees - nearly);
+  return better_mesh(isotropic_surface, few_planes, options.smallest_dihedral_degrees - nearly,
+                     options.on_death);
 }
 
 }  // namespace

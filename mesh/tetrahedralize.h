@@ -2,6 +2,8 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
+#include <string>
 
 #include "base/progress.h"
 #include "mesh/check.h"
@@ -16,6 +18,9 @@ struct MesherOptions {
   bool remesh_surface = true;  ///< first isotropic triangles; where the cells are too flat, also
                                ///< fewest triangles on planes, and the better mesh is taken; edges
                                ///< sharper than 30 deg stay
+  /// Is told why the mesher died in one of the two attempts, where the mesh of the other is
+  /// returned: it is perhaps the worse one, and may differ in the next run. Empty: nobody is.
+  std::function<void(const std::string&)> on_death = {};
   std::chrono::seconds time_limit{300};
   std::size_t memory_limit_bytes = std::size_t{8} << 30U;
 };
@@ -38,7 +43,8 @@ struct CellCount {
 /// Linear tetrahedra of `surface`. The mesh keeps the surface's patches; nodes are sorted in space.
 /// The volume is compared with the surface's, and every cell is checked.
 /// @throws InvalidInput   the surface cannot be meshed (the report's text), or the edge
-///                        length makes more than 30 million cells: a slip of a unit
+///                        length makes more than 30 million cells: a slip of a unit; or both
+///                        ways to even triangles need more than 2 million
 /// @throws WorkerDied     TetGen aborted, crashed, hung or ran out of memory; says what to do
 /// @throws NumericalFailure  the volume of the cells is not that of the surface
 [[nodiscard]] TetMesh tetrahedralize(const Surface& surface, const MesherOptions& options,

@@ -28,13 +28,20 @@ struct Outline {
 /// @throws InvalidInput  the dimensions or the file are not plausible, or the surface is not fit
 [[nodiscard]] Outline outline_of(const study::Study& study, const Progress& progress = {});
 
+/// A disc or sphere with the round faces that `body_of` will give it, to find places on it; laid in
+/// layers even where TetGen will mesh it. Nothing for other bodies: their outline is no flatter
+/// than their mesh. Cost: linear. @throws InvalidInput  the faces bend over cells of the wall
+[[nodiscard]] std::optional<mesh::TetMesh> rounded_outline(const study::Study& study,
+                                                           const Outline& outline);
+
 /// Tetrahedra of the study's order (chosen here if the study states none); those of a surface are
 /// taken from the cache of `work` where an earlier run has meshed it. Warns where a lower order
 /// than the file's takes the curvature from its cells. @throws as mesh::tetrahedralize
 [[nodiscard]] mesh::TetMesh body_of(const study::Study& study, const Outline& outline, Work& work);
 
 /// The order of elements for this number of tetrahedra: the study's, or else the file's own, or
-/// else 3. It is 2 if there are too many cells for cubic elements.
+/// else 3. It is 2 if there are too many cells for cubic elements; cells that are laid with the
+/// default sizes of order 3 stay cubic.
 [[nodiscard]] int order_for(const study::Study& study, Eigen::Index tets, int own_order);
 
 /// Number of nodes of `tets` of `order`, by Euler's formula; exact for a body without tunnels.

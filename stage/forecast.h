@@ -10,7 +10,7 @@ namespace chladni::stage {
 /// Courant and Hilbert, VI.4; the rim's share is fitted to a square plate). For a slender body it
 /// is the number of a beam that bends in both directions, if that is larger. Within a factor of 1.5
 /// for ten modes or more.
-[[nodiscard]] double modes_below(const Understood& body, const fem::Material& material, double hz);
+[[nodiscard]] double modes_below(const Understood& body, double hz);
 
 /// Number of modes that the study asks for, with the rigid-body ones; estimated for `up_to`.
 [[nodiscard]] double modes_wanted(const study::Study& study, const Understood& body);
@@ -21,8 +21,7 @@ namespace chladni::stage {
 
 /// Frequency [Hz] below which about `flexible` modes of a free body lie: the inverse of
 /// modes_below; 0 where the first frequency is not known.
-[[nodiscard]] double frequency_of(double flexible, const Understood& body,
-                                  const fem::Material& material);
+[[nodiscard]] double frequency_of(double flexible, const Understood& body);
 
 /// @throws InvalidInput  more modes below a frequency than the mesh can have
 void refuse_too_many_modes(const study::Study& study, const Understood& body, const Cost& cost);

@@ -34,6 +34,10 @@ struct Places {
 /// @throws InvalidInput  places more than 1 mm off the body: their distances, all at once
 [[nodiscard]] Places places_of(const study::Study& study, const mesh::TetMesh& body);
 
+/// The material of a region: the one that names it, else the one without region; null: none.
+[[nodiscard]] const study::StudyMaterial* material_for(const study::Study& study,
+                                                       const std::string& region);
+
 /// One material per region. @throws InvalidInput  a region has none, or a material has no region
 [[nodiscard]] std::vector<fem::Material> materials_of(const study::Study& study,
                                                       const std::vector<std::string>& regions);

@@ -18,10 +18,10 @@ inline constexpr double kOnTheBody = 1e-3;  ///< [m]: a place that is farther of
 [[nodiscard]] std::vector<mesh::Site> sites_near(const mesh::SiteFinder& finder,
                                                  const Points& points);
 
-/// The place of a study on a body: seen from above, or the nearest one. None if nothing is below a
-/// place that is seen from above; how far the nearest may be is the caller's to say.
-[[nodiscard]] std::optional<mesh::Site> site_at(const mesh::SiteFinder& finder,
-                                                const study::Place& place);
+/// The place of a study on a body: seen from above, or the nearest one. Where nothing is below a
+/// place that is seen from above, the point nearest to the vertical line through it. Its `distance`
+/// is from the place (seen from above: from the line); how far it may be is the caller's to say.
+[[nodiscard]] mesh::Site site_at(const mesh::SiteFinder& finder, const study::Place& place);
 
 /// The direction at each site, n×3, unit: one for all, one for each, or (none) the outward normals.
 /// @throws InvalidInput  another number of rows, or a direction of length 0

@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 
 #include "base/error.h"
 #include "mesh/check.h"
@@ -22,6 +23,8 @@
 
 namespace chladni::mesh {
 namespace {
+
+constexpr double kMostTriangles = 2e6;  // some minutes
 
 enum class Flat { fewest, renewed };
 
@@ -47,6 +50,21 @@ struct Rebuilt {
   Chains chains;                            // the kept edges
 };
 
+// Takes the shortest of lengths that are nearly the same. Each length costs a walk through the
+// whole surface, and rounds of one radius differ in their last digits.
+void join_near(std::vector<double>& lengths) {
+  constexpr double kNear = 1.02;
+  std::vector<double> sorted = lengths;
+  std::sort(sorted.begin(), sorted.end());
+  std::map<double, double> joined;
+  double shortest = 0.0;
+  for (const double length : sorted) {
+    if (length > kNear * shortest) shortest = length;
+    joined[length] = shortest;
+  }
+  for (double& length : lengths) length = joined[length];
+}
+
 std::vector<double> edge_lengths(const SmoothParts& parts, const Wanted& wanted) {
   std::vector<double> lengths;
   for (std::size_t p = 0; p < parts.radius.size(); ++p) {
@@ -59,6 +77,7 @@ std::vector<double> edge_lengths(const SmoothParts& parts, const Wanted& wanted)
       lengths.push_back(chord_length(parts.radius[p], sampling));
     }
   }
+  join_near(lengths);
   return lengths;
 }
 
@@ -106,6 +125,54 @@ std::vector<LineToCut> lines_to_cut(const Rebuilt& rebuilt) {
   std::vector<LineToCut> lines;
   for (const auto& [edge, wanted] : length) lines.push_back({edge.first, edge.second, wanted});
   return lines;
+}
+
+// The edges inside the curved parts that are much longer than the triangles wanted there: the long
+// sides of the slivers along a round. Uncut, each of them would be halved again and again together
+// with all its neighbours, at a cost that is quadratic in its length.
+std::vector<LineToCut> long_inner_edges(const Rebuilt& rebuilt,
+                                        const std::vector<LineToCut>& border) {
+  constexpr double kLong = 30.0;
+  std::set<Edge> known;
+  for (const LineToCut& line : border) known.emplace(line.low, line.high);
+  std::vector<LineToCut> lines;
+  for (const EdgeUse& use : edge_uses(rebuilt.surface.triangles)) {
+    const auto part = static_cast<std::size_t>(rebuilt.surface.patch[use.triangle]);
+    const double wanted = rebuilt.edge_length[part];
+    const auto& points = rebuilt.surface.points;
+    const double length = (points.row(use.low) - points.row(use.high)).norm();
+    if (wanted <= 0.0 || length < kLong * wanted) continue;
+    if (known.emplace(use.low, use.high).second) lines.push_back({use.low, use.high, wanted});
+  }
+  return lines;
+}
+
+// Cuts the lines between the parts, which are kept, and long edges inside the curved parts.
+void cut_lines(Rebuilt& rebuilt, const std::vector<LineToCut>& border) {
+  const auto inner = long_inner_edges(rebuilt, border);
+  auto lines = border;
+  lines.insert(lines.end(), inner.begin(), inner.end());
+  rebuilt.chains = split_edges(rebuilt.surface, lines);
+  for (const LineToCut& line : inner) rebuilt.chains.erase({line.low, line.high});
+}
+
+// About as many triangles as isotropic remeshing makes: equilateral ones on the parts, and two at
+// each piece of a line.
+double expected_triangles(const Rebuilt& rebuilt, const Surface& before,
+                          const std::vector<LineToCut>& lines) {
+  const double equilateral = std::sqrt(3.0) / 4.0;
+  double count = 0.0;
+  for (Eigen::Index t = 0; t < before.triangles.rows(); ++t) {
+    const auto part = static_cast<std::size_t>(rebuilt.of.part[static_cast<std::size_t>(t)]);
+    const double length = rebuilt.edge_length[part];
+    const Cells one = before.triangles.row(t);
+    if (length > 0.0) count += area(before.points, one) / (equilateral * length * length);
+  }
+  for (const LineToCut& line : lines) {
+    count += 2.0 * (before.points.row(line.low) - before.points.row(line.high)).norm() /
+             line.edge_length;
+  }
+  return count;
 }
 
 // The border lines of a flat part, after the cuts.
@@ -175,6 +242,20 @@ void make_planes_delaunay(Surface& after, const Rebuilt& before) {
   append_triangles(after, triangles, parts);
 }
 
+// Rounds far smaller than the edge length must not take minutes and gigabytes.
+void refuse_too_many_triangles(const Rebuilt& rebuilt, double triangles) {
+  double shortest = HUGE_VAL;
+  for (const double length : rebuilt.edge_length) {
+    if (length > 0.0) shortest = std::min(shortest, length);
+  }
+  if (triangles <= kMostTriangles) return;
+  throw InvalidInput(fmt::format(
+      "remesh: the surface needs about {:.2g} million triangles, whose edges are {:.3g} mm long "
+      "where it bends most; at most {:.0f} million are made. Leave small rounds out in CAD, take a "
+      "longer mesh.edge_length, or set mesh.remesh = false",
+      1e-6 * triangles, 1e3 * shortest, 1e-6 * kMostTriangles));
+}
+
 std::optional<Rebuilt> rebuilt(const Surface& before, const Wanted& wanted) {
   Rebuilt result;
   result.of = smooth_parts(before, wanted.edge_length, wanted.sharp_degrees);
@@ -185,7 +266,9 @@ std::optional<Rebuilt> rebuilt(const Surface& before, const Wanted& wanted) {
   result.surface.triangles.resize(0, 3);
   result.surface.patch.resize(0);
   add_curved_parts(result, before, stand_in);
-  result.chains = split_edges(result.surface, lines_to_cut(result));
+  const auto lines = lines_to_cut(result);
+  refuse_too_many_triangles(result, expected_triangles(result, before, lines));
+  cut_lines(result, lines);
   if (!add_flat_parts(result, before)) return std::nullopt;
   remove_degenerate_triangles(result.surface, smallest_length(before));
   return result;

@@ -1,6 +1,7 @@
 #include "mesh/remesh/split_edges.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -54,30 +55,52 @@ std::vector<RimPoint> rim_of(const Surface& surface, Eigen::Index t, const Chain
   return rim;
 }
 
-// Whether cutting off point i leaves no flat piece on either side of the cut.
-bool is_ear(const std::vector<RimPoint>& rim, std::size_t i) {
-  const std::size_t size = rim.size();
-  if ((rim[(i + size - 1) % size].sides & rim[i].sides & rim[(i + 1) % size].sides) != 0) {
+// The number of a rim's points on each side of its triangle.
+class OnSides {
+ public:
+  explicit OnSides(const std::vector<RimPoint>& rim) {
+    for (const RimPoint& point : rim) add(point, 1);
+  }
+  void remove(const RimPoint& point) { add(point, -1); }
+  /// Whether `all` points but this one lie on one side.
+  [[nodiscard]] bool others_in_line(const RimPoint& point, std::size_t all) const {
+    for (unsigned k = 0; k < 3; ++k) {
+      const auto others = count_[k] - static_cast<std::ptrdiff_t>(point.sides >> k & 1U);
+      if (others == static_cast<std::ptrdiff_t>(all) - 1) return true;
+    }
     return false;
   }
-  unsigned sides = 7U;
-  for (std::size_t j = 0; j < size; ++j) {
-    if (j != i) sides &= rim[j].sides;
+
+ private:
+  void add(const RimPoint& point, std::ptrdiff_t change) {
+    for (unsigned k = 0; k < 3; ++k) {
+      if ((point.sides >> k & 1U) != 0) count_[k] += change;
+    }
   }
-  return sides == 0;
+  std::array<std::ptrdiff_t, 3> count_{};
+};
+
+// Whether cutting off point i leaves no flat piece on either side of the cut.
+bool is_ear(const std::vector<RimPoint>& rim, const OnSides& on_sides, std::size_t i) {
+  const std::size_t size = rim.size();
+  const unsigned of_cut_off =
+      rim[(i + size - 1) % size].sides & rim[i].sides & rim[(i + 1) % size].sides;
+  return of_cut_off == 0 && !on_sides.others_in_line(rim[i], size);
 }
 
-// Cuts off the ear with the shortest cut, again and again, until one triangle is left.
+// Cuts off the ear with the shortest cut, again and again, until one triangle is left. Cost:
+// quadratic in the points.
 void add_rim_triangles(const Points& points, std::vector<RimPoint> rim,
                        std::vector<Eigen::Vector3i>& triangles) {
+  OnSides on_sides(rim);
   while (rim.size() > 3) {
     std::size_t best = 0;
     double shortest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < rim.size(); ++i) {
-      const int before = rim[(i + rim.size() - 1) % rim.size()].point;
-      const int after = rim[(i + 1) % rim.size()].point;
+      const int before = rim[i > 0 ? i - 1 : rim.size() - 1].point;
+      const int after = rim[i + 1 < rim.size() ? i + 1 : 0].point;
       const double length = (points.row(before) - points.row(after)).norm();
-      if (length < shortest && is_ear(rim, i)) {
+      if (length < shortest && is_ear(rim, on_sides, i)) {
         shortest = length;
         best = i;
       }
@@ -85,6 +108,7 @@ void add_rim_triangles(const Points& points, std::vector<RimPoint> rim,
     const RimPoint before = rim[(best + rim.size() - 1) % rim.size()];
     const RimPoint after = rim[(best + 1) % rim.size()];
     triangles.emplace_back(before.point, rim[best].point, after.point);
+    on_sides.remove(rim[best]);
     rim.erase(rim.begin() + static_cast<std::ptrdiff_t>(best));
   }
   triangles.emplace_back(rim[0].point, rim[1].point, rim[2].point);

@@ -34,8 +34,7 @@ bool is_layered(const study::Study& study) {
 }
 
 template <typename Body>
-mesh::Layering layering_of(const Body& body, const study::MeshPlan& plan) {
-  const int order = plan.order == 0 ? kPreferredOrder : plan.order;
+mesh::Layering layering_of(const Body& body, const study::MeshPlan& plan, int order) {
   mesh::Layering layering = default_layering(body, order);
   if (plan.edge_length > 0.0) layering.edge_length = plan.edge_length;
   if (plan.layers > 0) layering.layers = plan.layers;
@@ -45,16 +44,19 @@ mesh::Layering layering_of(const Body& body, const study::MeshPlan& plan) {
 }
 
 /// Layers of a plate on four corners: those of the rectangle around it.
-mesh::Layering layering_of(const mesh::Quadrilateral& body, const study::MeshPlan& plan) {
+mesh::Layering layering_of(const mesh::Quadrilateral& body, const study::MeshPlan& plan,
+                           int order) {
   const Eigen::Vector2d extent =
       body.corners.colwise().maxCoeff() - body.corners.colwise().minCoeff();
-  auto layering = layering_of(
-      mesh::Plate{.length = extent(0), .width = extent(1), .thickness = body.thickness}, plan);
+  auto layering =
+      layering_of(mesh::Plate{.length = extent(0), .width = extent(1), .thickness = body.thickness},
+                  plan, order);
   layering.edge_strip = 0.0;
   return layering;
 }
 
-mesh::TetMesh layered_body(const study::Geometry& geometry, const study::MeshPlan& plan) {
+/// With cells of the shape that elements of `order` need.
+mesh::TetMesh laid(const study::Geometry& geometry, const study::MeshPlan& plan, int order) {
   if (const auto* sphere = std::get_if<mesh::Sphere>(&geometry.body)) {
     const double edge = plan.edge_length > 0.0 ? plan.edge_length : sphere->diameter / 8.0;
     return layered(*sphere, edge);
@@ -66,10 +68,25 @@ mesh::TetMesh layered_body(const study::Geometry& geometry, const study::MeshPla
                       std::is_same_v<Body, mesh::Sphere>) {
           throw InvalidInput("this body cannot be laid in layers");
         } else {
-          return layered(body, layering_of(body, plan));
+          return layered(body, layering_of(body, plan, order));
         }
       },
       geometry.body);
+}
+
+/// Whether the cells are laid with the sizes that are known to do for their order.
+bool has_default_cells(const study::Study& study) {
+  const auto& plan = study.mesh;
+  return plan.edge_length == 0.0 && plan.layers == 0 && plan.across_ribs == 0 &&
+         study.geometry.kind != "sphere" && is_layered(study);
+}
+
+/// Laid for the order that `order_for` chooses.
+mesh::TetMesh layered_body(const study::Study& study) {
+  const auto& plan = study.mesh;
+  auto mesh = laid(study.geometry, plan, plan.order == 0 ? kPreferredOrder : plan.order);
+  const int order = order_for(study, mesh.tet_count(), 0);
+  return plan.order == 0 && order != kPreferredOrder ? laid(study.geometry, plan, order) : mesh;
 }
 
 /// The surface for TetGen, of a body that is given by its dimensions.
@@ -149,6 +166,43 @@ Outline outline_of_file(mesh::TetMesh mesh, const study::MeshPlan& plan,
   return outline;
 }
 
+bool is_round(const study::Study& study) {
+  return study.geometry.kind == "disc" || study.geometry.kind == "sphere";
+}
+
+/// The volume of a sphere is that of the sphere; the polygon around a disc has the disc's.
+Outline outline_of_shape(const study::Study& study, Outline outline) {
+  if (const auto* sphere = std::get_if<mesh::Sphere>(&study.geometry.body)) {
+    outline.volume = std::numbers::pi / 6.0 *
+                     (std::pow(sphere->diameter, 3) - std::pow(sphere->hole_diameter, 3));
+  }
+  return outline;
+}
+
+void project(mesh::TetMesh& body, const study::Study& study, int order) {
+  if (const auto* sphere = std::get_if<mesh::Sphere>(&study.geometry.body)) {
+    project_to_sphere(body, *sphere);
+  } else if (order > 1) {
+    project_to_disc(body, std::get<mesh::Disc>(study.geometry.body), order);
+  }
+}
+
+/// A disc or sphere of linear cells in `order`, its outside on the circles or spheres.
+/// @throws InvalidInput  a cell is turned over, because its wall is too thin for its bent face
+mesh::TetMesh rounded(const study::Study& study, mesh::TetMesh body, int order) {
+  project(body, study, order);
+  if (order != body.order()) body = with_order(body, order);
+  project(body, study, order);
+  try {
+    check(body);
+  } catch (const InvalidInput& e) {
+    throw InvalidInput(
+        fmt::format("{}: the round faces bend over cells of the wall; shorten mesh.edge_length: {}",
+                    study.file.string(), e.what()));
+  }
+  return body;
+}
+
 // The body in another order than its file's.
 mesh::TetMesh reordered(const study::Study& study, const mesh::TetMesh& body, int order,
                         Work& work) {
@@ -166,7 +220,7 @@ mesh::TetMesh reordered(const study::Study& study, const mesh::TetMesh& body, in
 
 Outline outline_of(const study::Study& study, const Progress& progress) {
   tell(progress, "reading the geometry");
-  if (is_layered(study)) return outline_of_tets(layered_body(study.geometry, study.mesh), {});
+  if (is_layered(study)) return outline_of_shape(study, outline_of_tets(layered_body(study), {}));
   if (const auto* file = std::get_if<study::FileGeometry>(&study.geometry.body)) {
     auto geometry = io::read_geometry(file->file, file->unit);
     if (auto* tets = std::get_if<mesh::TetMesh>(&geometry.body)) {
@@ -176,8 +230,8 @@ Outline outline_of(const study::Study& study, const Progress& progress) {
     const bool nameless = surface.patch_names.size() < 2;  // one solid, or none with a name
     return outline_of_surface(std::move(surface), study.mesh, nameless, std::move(geometry.notes));
   }
-  return outline_of_surface(parametric_surface(study.geometry, study.mesh.edge_length), study.mesh,
-                            false, {});
+  auto surface = parametric_surface(study.geometry, study.mesh.edge_length);
+  return outline_of_shape(study, outline_of_surface(std::move(surface), study.mesh, false, {}));
 }
 
 mesh::TetMesh body_of(const study::Study& study, const Outline& outline, Work& work) {
@@ -191,19 +245,25 @@ mesh::TetMesh body_of(const study::Study& study, const Outline& outline, Work& w
   const int own_order = outline.file_has_cells ? body.order() : 0;
   const int order = order_for(study, body.tet_count(), own_order);
   tell(work.progress(), "placing nodes");
-  const auto* disc = order > 1 ? std::get_if<mesh::Disc>(&study.geometry.body) : nullptr;
-  if (disc != nullptr) project_to_disc(body, *disc, order);
-  if (order != body.order()) body = reordered(study, body, order, work);
-  if (disc != nullptr) project_to_disc(body, *disc, order);
-  const auto* sphere = std::get_if<mesh::Sphere>(&study.geometry.body);
-  if (sphere != nullptr && !outline.surface) project_to_sphere(body, *sphere);
+  if (is_round(study)) {
+    body = rounded(study, std::move(body), order);
+  } else if (order != body.order()) {
+    body = reordered(study, body, order, work);
+  }
   if (own_order > 0) sort_in_space(body);
   return body;
+}
+
+std::optional<mesh::TetMesh> rounded_outline(const study::Study& study, const Outline& outline) {
+  if (!is_round(study)) return {};
+  const int order = order_for(study, outline.shell.tet_count(), 0);
+  return rounded(study, outline.surface ? layered_body(study) : outline.shell, order);
 }
 
 int order_for(const study::Study& study, Eigen::Index tets, int own_order) {
   if (study.mesh.order > 0) return study.mesh.order;
   if (own_order > 1) return own_order;
+  if (has_default_cells(study)) return kPreferredOrder;
   return tets <= kMostCubicTets ? kPreferredOrder : 2;
 }
 

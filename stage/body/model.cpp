@@ -5,13 +5,13 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "stage/points_on_body.h"
 #include "stage/variation.h"
 #include "study/problems.h"
 
 namespace chladni::stage {
 namespace {
 
-constexpr double kMovedAloud = 1e-3;     // [m], largest distance of a place from the body
 constexpr double kMovedSilently = 1e-9;  // [m], rounding error
 
 std::string millimetres(const Eigen::Vector3d& point, bool two) {
@@ -24,31 +24,26 @@ std::string millimetres(const Eigen::Vector3d& point, bool two) {
 class Placing {
  public:
   Placing(const study::Study& study, const mesh::TetMesh& body)
-      : file_(study.file.string()),
-        finder_(body),
-        top_(body.points.col(2).maxCoeff()),
-        problems_(file_) {}
+      : file_(study.file.string()), finder_(body), problems_(file_) {}
 
   mesh::Site site(const std::string& what, const study::Place& place) {
+    const Eigen::Vector3d& wanted = place.point;
     if (place.from_above) {
-      if (const auto hit = finder_.from_above(place.point(0), place.point(1))) return *hit;
+      if (const auto hit = finder_.from_above(wanted.x(), wanted.y())) return *hit;
     }
-    const Eigen::Vector3d wanted(place.point(0), place.point(1),
-                                 place.from_above ? top_ : place.point(2));
-    auto site = finder_.nearest(wanted);
-    const double off = place.from_above ? (site.position - wanted).head<2>().norm()
-                                        : (site.position - wanted).norm();
+    auto site = site_at(finder_, place);
+    const double off = site.distance;
     const std::string found = fmt::format("{} at {} is {:.4g} mm off the body; nearest is {}", what,
                                           millimetres(place.point, place.from_above), 1e3 * off,
                                           millimetres(site.position, place.from_above));
     const bool inside = !place.from_above && site.normal.dot(wanted - site.position) < -0.9 * off;
-    if (off > kMovedAloud && inside) {
+    if (off > kOnTheBody && inside) {
       warnings_.push_back(
           fmt::format("{}:{}: {} at {} is {:.4g} mm inside the body; the nearest "
                       "place of its surface, {}, is taken instead",
                       file_, place.line, what, millimetres(place.point, false), 1e3 * off,
                       millimetres(site.position, false)));
-    } else if (off > kMovedAloud) {
+    } else if (off > kOnTheBody) {
       problems_.add(place.line, 1, found);
     } else if (off > kMovedSilently) {
       notes_.push_back(found + ", taken instead");
@@ -65,7 +60,6 @@ class Placing {
  private:
   std::string file_;
   mesh::SiteFinder finder_;
-  double top_;
   study::Problems problems_;
   std::vector<std::string> notes_, warnings_;
 };
@@ -104,6 +98,19 @@ Eigen::Vector3d direction_of(const fem::Attachment& attachment) {
   return Eigen::Vector3d::UnitZ();
 }
 
+// A moment at one point of a solid turns it without bound: what holds there is the element.
+void warn_of_turned_points(const study::Study& study, std::vector<std::string>& warnings) {
+  for (const auto& plan : study.attachments) {
+    const auto* mass = std::get_if<fem::PointMass>(&plan.what);
+    if (mass == nullptr || plan.footprint > 0.0 || mass->inertia.isZero(0.0)) continue;
+    warnings.push_back(fmt::format(
+        "attachment \"{}\": its inertia turns a single point of the body, which holds it the less "
+        "the finer the mesh is: its modes are the mesh's. Give the diameter over which it is "
+        "fixed, such as footprint = \"20 mm\"",
+        plan.name));
+  }
+}
+
 }  // namespace
 
 Places places_of(const study::Study& study, const mesh::TetMesh& body) {
@@ -118,7 +125,18 @@ Places places_of(const study::Study& study, const mesh::TetMesh& body) {
                                        : mesh::Site{});
   }
   placing.finish(places);
+  warn_of_turned_points(study, places.warnings);
   return places;
+}
+
+const study::StudyMaterial* material_for(const study::Study& study, const std::string& region) {
+  const study::StudyMaterial* found = nullptr;
+  for (const auto& material : study.materials) {
+    if (material.region == region || (material.region.empty() && found == nullptr)) {
+      found = &material;
+    }
+  }
+  return found;
 }
 
 std::vector<fem::Material> materials_of(const study::Study& study,
@@ -131,12 +149,7 @@ std::vector<fem::Material> materials_of(const study::Study& study,
   }
   std::vector<fem::Material> materials;
   for (const auto& region : regions) {
-    const study::StudyMaterial* found = nullptr;
-    for (const auto& material : study.materials) {
-      if (material.region == region || (material.region.empty() && found == nullptr)) {
-        found = &material;
-      }
-    }
+    const auto* found = material_for(study, region);
     require(found != nullptr, study.file.string() + ": region \"" + region +
                                   "\" has no material; add one with region = \"" + region +
                                   "\" or one without region");

@@ -30,9 +30,10 @@ std::vector<mesh::Site> sites_near(const mesh::SiteFinder& finder, const Points&
   return sites;
 }
 
-std::optional<mesh::Site> site_at(const mesh::SiteFinder& finder, const study::Place& place) {
-  if (place.from_above) return finder.from_above(place.point.x(), place.point.y());
-  return finder.nearest(place.point);
+mesh::Site site_at(const mesh::SiteFinder& finder, const study::Place& place) {
+  if (!place.from_above) return finder.nearest(place.point);
+  auto site = finder.from_above(place.point.x(), place.point.y());
+  return site ? *std::move(site) : finder.beside(place.point.x(), place.point.y());
 }
 
 Points directions_at(const std::vector<mesh::Site>& sites,

@@ -12,6 +12,7 @@
 #include "fem/error_estimate.h"
 #include "mesh/surface.h"
 #include "mesh/tetrahedralize.h"
+#include "stage/model.h"
 
 namespace chladni::stage {
 namespace {
@@ -46,30 +47,39 @@ std::pair<double, double> plane_constants(const fem::Material& material) {
   return {1.0 / mean, -compliance(0, 1) / mean};
 }
 
-/// The material of most of the body: that of the first region.
-const study::StudyMaterial& main_material(const study::Study& study, const Outline& outline) {
-  const std::string& region = outline.shell.region_names.front();
-  const auto named = std::find_if(study.materials.begin(), study.materials.end(),
-                                  [&](const auto& m) { return m.region == region; });
-  return named != study.materials.end() ? *named : study.materials.front();
-}
-
-const study::StudyMaterial& wafer_material(const study::Study& study,
-                                           const study::StudyMaterial& fallback) {
-  const auto named = std::find_if(study.materials.begin(), study.materials.end(),
-                                  [](const auto& m) { return m.region == "wafer"; });
-  return named != study.materials.end() ? *named : fallback;
-}
-
-double mass_of(const study::Study& study, const Outline& outline) {
-  const auto& main = main_material(study, outline);
-  double mass = main.material.density * outline.volume;
-  const auto* table = std::get_if<mesh::WaferTable>(&study.geometry.body);
-  if (table != nullptr && table->wafer_diameter > 0.0) {
-    const double wafer =
-        0.25 * kPi * table->wafer_diameter * table->wafer_diameter * table->wafer_thickness;
-    mass += wafer * (wafer_material(study, main).material.density - main.material.density);
+/// The volume of each region of the shell [m^3].
+Eigen::VectorXd region_volumes(const study::Study& study, const Outline& outline) {
+  const auto& shell = outline.shell;
+  Eigen::VectorXd volume = Eigen::VectorXd::Zero(std::ssize(shell.region_names));
+  for (Eigen::Index t = 0; t < shell.tet_count(); ++t) {
+    Eigen::Matrix3d sides;
+    for (int k = 0; k < 3; ++k) {
+      sides.row(k) = shell.points.row(shell.tets(t, k + 1)) - shell.points.row(shell.tets(t, 0));
+    }
+    volume(shell.region(t)) += std::abs(sides.determinant()) / 6.0;
   }
+  if (volume.sum() > 0.0) return volume * (outline.volume / volume.sum());  // cells may be curved
+  const auto* table = std::get_if<mesh::WaferTable>(&study.geometry.body);
+  volume(0) = outline.volume;
+  if (table != nullptr && table->wafer_diameter > 0.0 && volume.size() > 1) {
+    volume(1) = 0.25 * kPi * table->wafer_diameter * table->wafer_diameter * table->wafer_thickness;
+    volume(0) -= volume(1);
+  }
+  return volume;
+}
+
+/// The material of each region. Where a region has none, the study is refused later.
+std::vector<fem::Material> region_materials(const study::Study& study, const Outline& outline) {
+  std::vector<fem::Material> materials;
+  for (const auto& region : outline.shell.region_names) {
+    const auto* found = material_for(study, region);
+    materials.push_back((found != nullptr ? *found : study.materials.front()).material);
+  }
+  return materials;
+}
+
+double attached_mass(const study::Study& study) {
+  double mass = 0.0;
   for (const auto& plan : study.attachments) {
     if (const auto* point = std::get_if<fem::PointMass>(&plan.what)) mass += point->mass;
     if (const auto* resonator = std::get_if<fem::Resonator>(&plan.what)) mass += resonator->mass;
@@ -82,9 +92,8 @@ struct Estimate {
   const char* name;
 };
 
-Estimate first_frequency(const study::Study& study, const Understood& body,
-                         const fem::Material& material) {
-  const auto [modulus, poisson] = plane_constants(material);
+Estimate first_frequency(const study::Study& study, const Understood& body) {
+  const auto [modulus, poisson] = plane_constants(body.material);
   const Slab slab = slab_of(body);
   const double areal_mass = body.mass_kg / (slab.length * slab.width);
   const double h = slab.thickness;
@@ -103,6 +112,20 @@ Estimate first_frequency(const study::Study& study, const Understood& body,
   const bool flat = study.geometry.kind == "plate" || study.geometry.kind == "beam";
   if (slab.length > 4.0 * slab.width) return {std::min(bending, twist), flat ? "beam" : "box"};
   return {std::min(bending, twist), flat ? "plate" : "box"};
+}
+
+/// "600.0", "0.775", "0.0123": four digits and at least `least` decimals, without further zeros.
+std::string in_digits(double value, int least) {
+  constexpr int kDigits = 4;
+  constexpr int kMost = 15;
+  int decimals = least;
+  if (value > 0.0 && std::isfinite(value)) {
+    const int behind = kDigits - 1 - static_cast<int>(std::floor(std::log10(value)));
+    decimals = std::clamp(behind, least, kMost);
+  }
+  auto text = fmt::format("{:.{}f}", value, decimals);
+  for (; decimals > least && text.back() == '0'; --decimals) text.pop_back();
+  return text;
 }
 
 /// Nodes by Euler's formula.
@@ -144,11 +167,10 @@ Cost cost_of(const Cells& cells, double modes, std::size_t mirrors) {
 
 /// Factor on `hz` at which the estimate is at most half of `most` modes, so that `most` is safe; 0
 /// where there is none: some modes are counted below every frequency.
-double frequency_ratio(const Understood& body, const fem::Material& material, double hz,
-                       double most) {
+double frequency_ratio(const Understood& body, double hz, double most) {
   constexpr double kLeast = 1e-12;
   double ratio = 1.0;
-  while (modes_below(body, material, ratio * hz) > 0.5 * most) {
+  while (modes_below(body, ratio * hz) > 0.5 * most) {
     ratio *= 0.9;
     if (ratio < kLeast) return 0.0;
   }
@@ -160,11 +182,12 @@ double frequency_ratio(const Understood& body, const fem::Material& material, do
 std::string Understood::line() const {
   const Eigen::Vector3d mm = 1e3 * extent_m;
   const std::string round =
-      estimate_name == "disc" ? fmt::format(" (diameter {:.1f} mm)", mm(0)) : "";
-  return fmt::format("{:.1f} x {:.1f} x {:.1f} mm{}  {:.{}f} {}  first {} estimate {:.{}f} Hz",
-                     mm(0), mm(1), mm(2), round, mass_kg < 1.0 ? 1e3 * mass_kg : mass_kg, 2,
-                     mass_kg < 1.0 ? "g" : "kg", estimate_name, first_frequency_hz,
-                     first_frequency_hz < 100.0 ? 1 : 0);
+      estimate_name == "disc" ? " (diameter " + in_digits(mm(0), 1) + " mm)" : "";
+  const std::string mass =
+      mass_kg < 1.0 ? in_digits(1e3 * mass_kg, 2) + " g" : in_digits(mass_kg, 2) + " kg";
+  return fmt::format("{} x {} x {} mm{}  {}  first {} estimate {:.{}f} Hz", in_digits(mm(0), 1),
+                     in_digits(mm(1), 1), in_digits(mm(2), 1), round, mass, estimate_name,
+                     first_frequency_hz, first_frequency_hz < 100.0 ? 1 : 0);
 }
 
 Understood understood(const study::Study& study, const Outline& outline) {
@@ -175,15 +198,23 @@ Understood understood(const study::Study& study, const Outline& outline) {
     body.extent_m = {disc->diameter, disc->diameter, disc->thickness};  // the outline is a polygon
   }
   body.volume_m3 = outline.volume;
-  body.mass_kg = mass_of(study, outline);
-  const auto estimate = first_frequency(study, body, main_material(study, outline).material);
+  const auto volume = region_volumes(study, outline);
+  const auto materials = region_materials(study, outline);
+  body.mass_kg = attached_mass(study);
+  for (std::size_t r = 0; r < materials.size(); ++r) {
+    body.mass_kg += materials[r].density * volume(static_cast<Eigen::Index>(r));
+  }
+  Eigen::Index largest = 0;
+  volume.maxCoeff(&largest);
+  body.material = materials[static_cast<std::size_t>(largest)];
+  const auto estimate = first_frequency(study, body);
   body.first_frequency_hz = estimate.hz;
   body.estimate_name = estimate.name;
   return body;
 }
 
-double modes_below(const Understood& body, const fem::Material& material, double hz) {
-  const auto [modulus, poisson] = plane_constants(material);
+double modes_below(const Understood& body, double hz) {
+  const auto [modulus, poisson] = plane_constants(body.material);
   Slab slab = slab_of(body);
   const double area =
       body.estimate_name == "disc" ? body.volume_m3 / body.extent_m(2) : slab.length * slab.width;
@@ -210,8 +241,7 @@ double modes_below(const Understood& body, const fem::Material& material, double
 
 double modes_wanted(const study::Study& study, const Understood& body) {
   if (!(study.modes.up_to_hz > 0.0)) return kRigid + static_cast<double>(study.modes.count);
-  return std::max(kRigid,
-                  modes_below(body, study.materials.front().material, study.modes.up_to_hz));
+  return std::max(kRigid, modes_below(body, study.modes.up_to_hz));
 }
 
 Cost forecast(const study::Study& study, const Outline& outline) {
@@ -240,14 +270,14 @@ Cost forecast(const study::Study& study, const mesh::TetMesh& mesh, const Unders
                  modes_wanted(study, body), study.modes.mirrors.size());
 }
 
-double frequency_of(double flexible, const Understood& body, const fem::Material& material) {
+double frequency_of(double flexible, const Understood& body) {
   double low = 0.0;
   double high = body.first_frequency_hz;
   if (!(high > 0.0)) return 0.0;
-  while (modes_below(body, material, high) < kRigid + flexible) high *= 2.0;
+  while (modes_below(body, high) < kRigid + flexible) high *= 2.0;
   for (int halving = 0; halving < 20; ++halving) {
     const double middle = 0.5 * (low + high);
-    (modes_below(body, material, middle) < kRigid + flexible ? low : high) = middle;
+    (modes_below(body, middle) < kRigid + flexible ? low : high) = middle;
   }
   return high;
 }
@@ -257,7 +287,7 @@ void refuse_too_many_modes(const study::Study& study, const Understood& body, co
   const double modes = modes_wanted(study, body);
   const double most = kModesPerFreedom * cost.degrees_of_freedom;
   if (!(up_to > 0.0 && modes > most)) return;
-  const double safe = up_to * frequency_ratio(body, study.materials.front().material, up_to, most);
+  const double safe = up_to * frequency_ratio(body, up_to, most);
   throw InvalidInput(fmt::format(
       "{}: modes.up_to is {:.6g} Hz, and about {:.2g} modes lie below it; a mesh of {:.0f} degrees "
       "of freedom has {:.0f} at most. {} mesh.edge_length",

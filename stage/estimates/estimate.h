@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "fem/material.h"
 #include "stage/body.h"
 #include "study/study.h"
 
@@ -11,7 +12,8 @@ namespace chladni::stage {
 struct Understood {
   Eigen::Vector3d extent_m = Eigen::Vector3d::Zero();  ///< of the bounding box
   double volume_m3 = 0.0;
-  double mass_kg = 0.0;
+  double mass_kg = 0.0;             ///< each region with its own material
+  fem::Material material = {};      ///< of the largest region
   double first_frequency_hz = 0.0;  ///< flexible, free body; within a factor of two if ribbed
   std::string estimate_name;        ///< "plate", "beam", "disc" or "box"
   /// "600.0 x 600.0 x 20.0 mm  19.44 kg  first plate estimate 186 Hz"

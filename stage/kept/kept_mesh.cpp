@@ -51,8 +51,13 @@ std::optional<mesh::TetMesh> known(const Cache& cache, const std::string& name, 
 
 }  // namespace
 
-mesh::TetMesh kept_mesh(const mesh::Surface& surface, const mesh::MesherOptions& options,
-                        Work& work) {
+mesh::TetMesh kept_mesh(const mesh::Surface& surface, mesh::MesherOptions options, Work& work) {
+  bool died = false;
+  options.on_death = [&](const std::string& why) {
+    died = true;
+    work.note("one of two attempts to mesh the body failed, and the mesh of the other is taken: " +
+              why);
+  };
   const auto cache = work.choices().cache;
   if (!cache) return tetrahedralize(surface, options, work.progress());
   const auto name = name_of(surface, options);
@@ -60,6 +65,7 @@ mesh::TetMesh kept_mesh(const mesh::Surface& surface, const mesh::MesherOptions&
   const Cache::Hold hold(*cache, name, work.progress());
   if (auto mesh = known(*cache, name, work)) return std::move(*mesh);
   auto mesh = tetrahedralize(surface, options, work.progress());
+  if (died) return mesh;  // on a machine with less to do it may be another
   const auto refused = cache->keep(name, bytes_of(mesh));
   if (!refused.empty()) work.note_once("the mesh is not kept for later runs: " + refused);
   return mesh;

@@ -64,8 +64,7 @@ SolvedModes modes_of(const study::Study& study, const Solution& solution, int fl
   request.mirrors = study.modes.mirrors;
   request.launcher = engine_of(study, work);
   if (!request.launcher.empty()) {
-    request.guess_hz = frequency_of(kMore * request.options.count, solution.introduction.body,
-                                    study.materials.front().material);
+    request.guess_hz = frequency_of(kMore * request.options.count, solution.introduction.body);
   }
   auto solved = [&] {
     try {

@@ -91,16 +91,15 @@ void look_for_files(const study::Study& study, stage::Work& work) {
 }
 
 // Points at which motions are asked for must be on the body.
-void require_points(const study::Study& study, const mesh::TetMesh& shell) {
-  const mesh::SiteFinder finder(shell);
+void require_points(const study::Study& study, const mesh::TetMesh& body) {
+  const mesh::SiteFinder finder(body);
   study::Problems problems(study.file.string());
   const auto look = [&](const study::Place& at, const std::string& what) {
     const auto site = stage::site_at(finder, at);
-    if (site && site->distance <= stage::kOnTheBody) return;
+    if (site.distance <= stage::kOnTheBody) return;
     problems.add(
         at.line, 1,
-        fmt::format("{} is not on the body{}", what,
-                    site ? fmt::format(", which is {:.3g} mm away", 1e3 * site->distance) : ""));
+        fmt::format("{} is not on the body, which is {:.3g} mm away", what, 1e3 * site.distance));
   };
   if (study.placement) {
     for (const auto& at : study.placement->interest) look(at, "a point of interest");
@@ -123,14 +122,16 @@ void require_points(const study::Study& study, const mesh::TetMesh& shell) {
 stage::Introduction checked(const study::Study& study, bool data, stage::Work& work) {
   auto introduction = stage::introduced(study, work);
   const auto& shell = introduction.outline.shell;
-  const auto places = stage::places_of(study, shell);
+  const auto round = stage::rounded_outline(study, introduction.outline);
+  const auto& body = round ? *round : shell;
+  const auto places = stage::places_of(study, body);
   for (const auto& note : places.notes) work.note(note);
   for (const auto& warning : places.warnings) {
     introduction.warnings.push_back(warning);
     work.warn(warning);
   }
   static_cast<void>(stage::materials_of(study, shell.region_names));
-  require_points(study, shell);
+  require_points(study, body);
   if (!data) return introduction;
   look_for_files(study, work);
   forecast_from_mesh(study, introduction, work);

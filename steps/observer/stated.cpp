@@ -12,11 +12,11 @@ namespace chladni::steps {
 
 mesh::Site site_of(const study::Study& study, const mesh::SiteFinder& finder,
                    const study::Place& at, const std::string& what) {
-  const auto site = stage::site_at(finder, at);
-  require(site && site->distance <= stage::kOnTheBody,
-          fmt::format("{}:{}: {} is not on the body{}", study.file.string(), at.line, what,
-                      site ? fmt::format(", which is {:.3g} mm away", 1e3 * site->distance) : ""));
-  return *site;
+  auto site = stage::site_at(finder, at);
+  require(site.distance <= stage::kOnTheBody,
+          fmt::format("{}:{}: {} is not on the body, which is {:.3g} mm away", study.file.string(),
+                      at.line, what, 1e3 * site.distance));
+  return site;
 }
 
 modal::Disturbance disturbance_of(const study::DisturbancePlan& plan, const std::string& name,

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 #include "base/error.h"
 #include "mesh/bodies.h"
 
@@ -33,6 +36,22 @@ TEST(BetterMesh, IsKeptWhereTheOtherWayFails) {
   EXPECT_EQ(angle(better_mesh(flat, inverts, 90.0)), angle(flat_plate(0.001)));
   EXPECT_EQ(angle(better_mesh(dies, flat, 90.0)), angle(flat_plate(0.001)));
   EXPECT_THROW((void)better_mesh(inverts, dies, 90.0), WorkerDied);
+}
+
+// Only a death is told, and only where there is a mesh all the same.
+TEST(BetterMesh, TellsOfADeathThatItOutlived) {
+  std::vector<std::string> told;
+  const auto hear = [&](const std::string& why) { told.push_back(why); };
+  const auto flat = [] { return flat_plate(0.001); };
+  const auto dies = []() -> TetMesh { throw WorkerDied("signal 9"); };
+  const auto inverts = []() -> TetMesh { throw InvalidInput("inverted"); };
+  (void)better_mesh(flat, flat, 90.0, hear);
+  (void)better_mesh(inverts, flat, 90.0, hear);
+  EXPECT_THROW((void)better_mesh(dies, dies, 90.0, hear), WorkerDied);
+  EXPECT_TRUE(told.empty());
+  (void)better_mesh(dies, flat, 90.0, hear);
+  (void)better_mesh(flat, dies, 90.0, hear);
+  EXPECT_EQ(told, (std::vector<std::string>{"signal 9", "signal 9"}));
 }
 
 // Neither Ctrl-C nor a lack of memory is a reason to try another way.

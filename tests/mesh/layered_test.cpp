@@ -260,6 +260,48 @@ TEST(LayeredDisc, OfCurvedCellsIsRound) {
   }
 }
 
+// However thin the wall, and whatever the edge length: no curved cell is turned over.
+TEST(LayeredDisc, ThinRingsOfCurvedCellsAreSound) {
+  for (const double wall : {0.02, 0.005, 1e-3, 1e-4, 1e-5}) {
+    const Disc disc{.diameter = 0.2, .thickness = 0.005, .hole_diameter = 0.2 - 2.0 * wall};
+    for (const int order : {2, 3}) {
+      for (const double edge : {0.1, 0.02, 0.007}) {
+        TetMesh mesh = layered(disc, edge, 1);
+        EXPECT_NO_THROW(check(mesh));
+        project_to_disc(mesh, disc, order);
+        mesh = with_order(mesh, order);
+        project_to_disc(mesh, disc, order);
+        EXPECT_NO_THROW(check(mesh)) << wall << " " << order << " " << edge;
+        const double exact = 0.005 * kHalfTurn * wall * (0.2 - wall);
+        EXPECT_NEAR(volume(mesh) / exact, 1.0, 1e-9) << wall << " " << order << " " << edge;
+      }
+    }
+  }
+}
+
+// Rings of many cells are counted by what they have, not by what a disc would have.
+TEST(LayeredDisc, AnEdgeLengthThatAThinRingAllowsIsLaid) {
+  const Disc ring{.diameter = 2.2, .thickness = 0.001, .hole_diameter = 2.198};
+  const TetMesh mesh = layered(ring, 1e-3, 1);
+  EXPECT_LT(mesh.tet_count(), 60000);
+  EXPECT_NEAR(quality(mesh).shortest_edge, 1e-3, 3e-4);
+}
+
+TEST(LayeredSphere, ThinWallsOfCurvedCellsAreSound) {
+  for (const double wall : {0.03, 0.01, 0.004, 0.001}) {
+    const Sphere ball{.diameter = 0.2, .hole_diameter = 0.2 - 2.0 * wall};
+    for (const int order : {2, 3}) {
+      TetMesh mesh = with_order(layered(ball, 0.025), order);
+      project_to_sphere(mesh, ball);
+      EXPECT_NO_THROW(check(mesh)) << wall << " " << order;
+      const double exact = kHalfTurn / 6.0 * (0.008 - std::pow(0.2 - 2.0 * wall, 3));
+      EXPECT_NEAR(volume(mesh) / exact, 1.0, 2e-3) << wall << " " << order;
+    }
+  }
+  const Sphere foil{.diameter = 0.2, .hole_diameter = 0.19998};
+  EXPECT_THROW(static_cast<void>(layered(foil, 0.025)), InvalidInput);
+}
+
 TEST(LayeredSphere, CurvedCellsHaveTheVolumeOfTheBall) {
   const Sphere ball{.diameter = 0.2};
   TetMesh mesh = with_order(layered(ball, 0.03), 3);

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <ctime>
 #include <limits>
+#include <numbers>
+#include <string>
 
 #include "base/error.h"
 #include "mesh/bodies.h"
@@ -114,6 +117,60 @@ TEST(Remesh, KeepsTheInterfaceOfBondedBodies) {
   EXPECT_NEAR(report.volume, 0.335, 1e-12);
   EXPECT_GT(after.triangles.rows(), 4 * body.triangles.rows());
   ASSERT_EQ(after.regions.size(), 2U);
+}
+
+// A block of width x length x 10 mm with a round of `radius` along one edge, in four facets.
+Surface rounded_block(double width, double length, double radius) {
+  constexpr int kFacets = 4;
+  std::vector<Eigen::Vector2d> top{{0.0, 0.0}};
+  for (int k = 0; k <= kFacets; ++k) {
+    const double a = std::numbers::pi / 2.0 * (1.0 - static_cast<double>(k) / kFacets);
+    top.emplace_back(width + radius * (std::cos(a) - 1.0), radius * (std::sin(a) - 1.0));
+  }
+  const int m = static_cast<int>(top.size());
+  std::vector<Eigen::RowVector3d> points;
+  for (const double y : {0.0, length}) {
+    for (const auto& p : top) points.emplace_back(p.x(), y, p.y());
+    for (const auto& p : top) points.emplace_back(p.x(), y, -0.01);
+  }
+  std::vector<Eigen::RowVector3i> triangles;
+  const auto quad = [&](int a, int b, int c, int d) {
+    triangles.emplace_back(a, b, c);
+    triangles.emplace_back(a, c, d);
+  };
+  for (int i = 0; i + 1 < m; ++i) {
+    quad(i, i + 1, 2 * m + i + 1, 2 * m + i);
+    quad(m + i + 1, m + i, 3 * m + i, 3 * m + i + 1);
+    quad(m + i, m + i + 1, i + 1, i);
+    quad(2 * m + i, 2 * m + i + 1, 3 * m + i + 1, 3 * m + i);
+  }
+  quad(m, 0, 2 * m, 3 * m);
+  quad(m - 1, 2 * m - 1, 4 * m - 1, 3 * m - 1);
+  Surface block = shapes::surface_of(points, triangles);
+  EXPECT_TRUE(check_and_repair(block).fit());
+  return block;
+}
+
+// The slivers along a long round must not cost the square of its length: minutes before, a second
+// now.
+TEST(Remesh, OfALongThinRoundIsQuick) {
+  const Surface block = rounded_block(0.2, 0.2, 0.3e-3);
+  const std::clock_t begin = std::clock();
+  const Surface after = remesh(block, 0.2 / 30.0);
+  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 20.0);
+  EXPECT_GT(after.triangles.rows(), 5000);
+  EXPECT_NEAR(enclosed_volume(after), enclosed_volume(block), 1e-3 * enclosed_volume(block));
+  expect_sound(after);
+}
+
+// What would take the memory is refused before it starts.
+TEST(Remesh, RefusesMoreTrianglesThanAnybodyMeshes) {
+  try {
+    (void)remesh(cube(), 5e-4);
+    FAIL();
+  } catch (const InvalidInput& e) {
+    EXPECT_NE(std::string(e.what()).find("million triangles"), std::string::npos) << e.what();
+  }
 }
 
 TEST(Remesh, RepeatsItsBits) {

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "mesh/bodies.h"
+#include "mesh/shapes/brick_grid.h"
 #include "mesh/tets/triangle.h"
 #include "random_meshes.h"
 
@@ -242,6 +243,46 @@ TEST(FromAbove, FindsTheTopOfAPlateEverywhereOnItsOutlineToo) {
     }
     EXPECT_FALSE(sites.from_above(0.3001, 0.0).has_value());
     EXPECT_FALSE(sites.from_above(0.0, -0.2001).has_value());
+  }
+}
+
+// An inverted T: a foot of 100 x 60 x 20 mm under a stem of 20 x 60 x 80 mm.
+TetMesh inverted_t() {
+  auto grid =
+      BrickGrid::block({-0.05, -0.01, 0.01, 0.05}, {-0.03, 0.0, 0.03}, {-0.1, -0.08, -0.04, 0.0});
+  for (const int i : {0, 2}) {
+    for (const int j : {0, 1}) {
+      for (const int k : {1, 2}) grid.kind[grid.brick(i, j, k)] = 1;
+    }
+  }
+  grid.void_patch = {"beside"};
+  return tetrahedra(grid);
+}
+
+TEST(Beside, IsTheNearestMeasuredLevelHoweverLowItLies) {
+  for (const int order : {1, 3}) {
+    const TetMesh mesh = with_order(inverted_t(), order);
+    const SiteFinder sites(mesh);
+    for (const double off : {6e-9, 1e-6, 1e-3, 0.2}) {
+      ASSERT_FALSE(sites.from_above(0.05 + off, 0.01).has_value());
+      const Site foot = sites.beside(0.05 + off, 0.01);
+      EXPECT_LT((foot.position - Vec(0.05, 0.01, -0.08)).norm(), 1e-11);
+      EXPECT_NEAR(foot.distance, off, 1e-13);
+      EXPECT_NEAR(foot.normal.z(), 1.0, 1e-12);
+      const Site end = sites.beside(0.002, -0.03 - off);
+      EXPECT_LT((end.position - Vec(0.002, -0.03, 0.0)).norm(), 1e-11);
+      EXPECT_NEAR(end.distance, off, 1e-13);
+    }
+  }
+}
+
+TEST(Beside, OfABallIsItsEquator) {
+  const TetMesh mesh = ball(2);
+  const SiteFinder sites(mesh);
+  for (const double angle : {0.0, 0.3, 1.1, 2.0, 4.0}) {
+    const Site site = sites.beside(0.15 * std::cos(angle), 0.15 * std::sin(angle));
+    EXPECT_NEAR(site.distance, 0.05, 1e-4);
+    EXPECT_LT((site.position - 0.1 * Vec(std::cos(angle), std::sin(angle), 0.0)).norm(), 2e-3);
   }
 }
 

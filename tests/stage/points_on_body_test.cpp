@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string>
 
 #include "mesh/bodies.h"
+#include "stage/model.h"
 #include "tests/refusal.h"
 
 namespace chladni::stage {
@@ -59,6 +61,28 @@ TEST(PointsOnBody, HaveTheirNormalsOrGivenDirections) {
                       "any length but 0"));
   EXPECT_TRUE(refused([&] { return directions_at(sites, Points(Points::Ones(3, 3))); },
                       "there are 3 directions for 2 points"));
+}
+
+// A finer mesh, which is what else would be advised, makes it worse.
+TEST(PlacesOfAttachments, AMassThatTurnsAPointAsksForAFootprint) {
+  const auto warnings = [](const std::string& more) {
+    const auto study = study::parse_study(
+        "[geometry]\nplate = { length = \"300 mm\", width = \"200 mm\", thickness = \"10 mm\" }\n"
+        "[material]\nyoungs_modulus = \"70 GPa\"\npoissons_ratio = 0.33\n"
+        "density = \"2700 kg/m^3\"\n"
+        "[[attachment]]\nname = \"motor\"\nkind = \"mass\"\nat = [\"60 mm\", \"50 mm\"]\n"
+        "mass = \"1 kg\"\n" +
+            more,
+        "study.toml");
+    return places_of(study, plate()).warnings;
+  };
+  const std::string inertia = "inertia = [\"0 kg m^2\", \"3e-3 kg m^2\", \"0 kg m^2\"]\n";
+  EXPECT_TRUE(warnings("").empty());
+  EXPECT_TRUE(warnings(inertia + "footprint = \"40 mm\"\n").empty());
+  const auto found = warnings(inertia);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NE(found[0].find("attachment \"motor\""), std::string::npos) << found[0];
+  EXPECT_NE(found[0].find("footprint ="), std::string::npos) << found[0];
 }
 
 }  // namespace
