@@ -26,6 +26,8 @@ struct LayoutScore {
   Eigen::VectorXd motion_deviation;
 };
 
+struct Optimum;
+
 /// Scores layouts of one structure.
 class LayoutScorer {
  public:
@@ -36,14 +38,16 @@ class LayoutScorer {
   /// Some channels of the structure, by index.
   [[nodiscard]] LayoutScore of_channels(const std::vector<std::size_t>& sensors,
                                         const std::vector<std::size_t>& actuators) const;
-  /// Sensors at some sites. @param shapes  s×r [kg^-1/2]
+  /// Sensors at some sites, beside the channels that stay. @param shapes  s×r [kg^-1/2]
   [[nodiscard]] LayoutScore of_sensors(const Eigen::MatrixXd& shapes) const;
-  /// Sensors and actuators at some sites, beside those that the observer's layout keeps.
-  /// @param sensors, actuators  s×r, a×r [kg^-1/2]
-  [[nodiscard]] LayoutScore of_devices(const Eigen::MatrixXd& sensors,
-                                       const Eigen::MatrixXd& actuators) const;
+  /// The devices of a layout for an observer, beside the channels that stay; `observer` is with all
+  /// channels of a kind of which the plan chooses none.
+  [[nodiscard]] LayoutScore of_devices(const Optimum& optimum) const;
 
  private:
+  [[nodiscard]] LayoutView view_of(const std::vector<std::size_t>& sensors,
+                                   const std::vector<std::size_t>& actuators) const;
+  [[nodiscard]] LayoutView view_of_those_that_stay() const;
   [[nodiscard]] LayoutScore scored(LayoutView view, const Eigen::MatrixXd& watched,
                                    const Eigen::MatrixXd& disturbing) const;
   [[nodiscard]] std::vector<int> blind_modes(LayoutView view) const;

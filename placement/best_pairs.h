@@ -24,9 +24,10 @@ class PairViews {
 
   const Structure& structure_;
   WantedModes wanted_;
-  std::vector<GroupNorms> norms_;  // of the structure, then of each member
-  Eigen::MatrixXd present_;        // p×r: pairs that keep their places
-  Eigen::MatrixXd actuators_;      // q×r
+  std::vector<GroupNorms> norms_;   // of the structure, then of each member
+  Eigen::MatrixXd present_;         // p×r: pairs that keep their places
+  Eigen::MatrixXd present_slopes_;  // p×m: their slopes
+  Eigen::MatrixXd actuators_;       // q×r
   double position_error_;
   Over over_;
 };

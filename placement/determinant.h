@@ -55,7 +55,7 @@ struct DeterminantOptions {
 /// relaxation 0 <= z <= 1 (Joshi and Boyd 2009), which ignores spacing, gives the bound. Then
 /// branch and bound with reduced-cost fixing follows. With more modes than sites, or if spacing
 /// decides, the bound is valid but loose.
-/// @throws InvalidInput  as greedy, or an entry is not finite
+/// @throws InvalidInput  as greedy, an entry is not finite, or not one position per candidate
 [[nodiscard]] Choice best_determinant(const DeterminantProblem& problem,
                                       const DeterminantOptions& options = {});
 

@@ -34,6 +34,9 @@ struct LayoutView {
   Eigen::MatrixXd interest_all;           ///< k×r, points of interest; may be empty
   Eigen::MatrixXd interest;               ///< k×m
   std::optional<ObserverValue> observer;  ///< of a stated task, with these devices
+  Eigen::MatrixXd pair_slopes = {};  ///< p×m [kg^-1/2 m^-1]: along the surface, of each of `pairs`;
+                                     ///< may be empty without an error of the position
+  double position_error = 0.0;  ///< [m]: standard deviation per axis, of sensor and actuator
 };
 
 /// Values are for readers: NaN means that the criterion does not apply (no pair, fewer sites than

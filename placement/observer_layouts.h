@@ -31,7 +31,7 @@ struct ObserverProblem {
   Eigen::MatrixXd sensors;    ///< s×r, there
   Eigen::MatrixXd actuators;  ///< a×r, there
   DeviceCounts counts;
-  Points position;       ///< N×3 [m]; may be empty if spacing is 0
+  Points position;  ///< N×3 [m]; may be empty if spacing is 0 and N at most 2 Constants::coarse
   double spacing = 0.0;  ///< [m], least distance between two chosen devices
 };
 
@@ -66,7 +66,7 @@ struct ObserverOptions {
 /// layouts per device.
 /// @throws InvalidInput      as ObserverModel; no device, or fewer candidates than devices (or the
 ///                           spacing leaves too few); a loop without effort; a disturbance at
-///                           actuators alone without an actuator
+///                           actuators alone without an actuator; not one position per candidate
 /// @throws NumericalFailure  doubling and SLICOT differ
 [[nodiscard]] ObserverChoice best_observer(const ObserverProblem& problem,
                                            const ObserverOptions& options = {});

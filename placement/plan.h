@@ -17,6 +17,9 @@ struct Channels {
   Lines lines;              ///< places and directions
   Eigen::MatrixXd shapes;   ///< s×r [kg^-1/2]
   std::vector<char> stays;  ///< s: 1 where the channel keeps its place; empty: none does
+  /// s×r [kg^-1/2 m^-1]: slopes along the surface, as `Sites::slopes`; empty: those of the
+  /// surface's nearest point. Only an error of the position needs them.
+  Eigen::MatrixXd slopes = {};
 
   [[nodiscard]] Eigen::Index count() const { return shapes.rows(); }
   [[nodiscard]] bool keeps(Eigen::Index channel) const {
@@ -37,6 +40,13 @@ struct Structure {
 };
 
 struct Sites;
+
+/// The slopes of one channel, 1×r.
+[[nodiscard]] Eigen::RowVectorXd slopes_of(const Channels& channels, Eigen::Index channel,
+                                           const Sites& surface);
+/// Those of the surface's nearest point, 1×r.
+[[nodiscard]] Eigen::RowVectorXd slopes_near(const Eigen::RowVector3d& position,
+                                             const Sites& surface);
 
 /// @throws InvalidInput  arrays of the structure and of its surface that do not fit each other
 void require_fit(const Structure& structure, const Sites& surface);

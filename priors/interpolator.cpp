@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "base/error.h"
 #include "priors/constants.h"
@@ -33,6 +35,8 @@ constexpr std::array kAll{
     &matern_5_2_interpolator,
     &matern_3_2_interpolator,
 };
+
+constexpr double kUnequalGains = 0.1;  // of two channels at one point, at most
 
 std::string at(Eigen::Index place, Eigen::Index mode) {
   return "place " + fmt::to_string(place + 1) + ", mode " + fmt::to_string(mode + 1);
@@ -92,28 +96,90 @@ void require_sound_values(const MeasuredShapes& measured) {
   }
 }
 
-// Two channels at one point may differ only by their noise.
-void require_agreement(const MeasuredShapes& measured) {
-  const auto& position = measured.places.position;
+// Two places that are one, and by how much the gain of the second is above that of the first.
+struct SamePlace {
+  Eigen::Index first = 0, second = 0;
+  double gain = 0.0;
+};
+
+std::vector<SamePlace> same_places(const Places& places) {
+  const auto& position = places.position;
   const double size = (position.colwise().maxCoeff() - position.colwise().minCoeff()).norm() *
                       Constants::same_place;
+  std::vector<SamePlace> found;
   for (Eigen::Index a = 0; a < position.rows(); ++a) {
     for (Eigen::Index b = a + 1; b < position.rows(); ++b) {
-      const bool same =
-          (position.row(a) - position.row(b)).norm() <= size &&
-          measured.places.direction.row(a).dot(measured.places.direction.row(b)) > 1.0 - 1e-9;
-      if (!same) continue;
-      for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
-        const double apart = std::abs(measured.values(a, i) - measured.values(b, i));
-        const double noise = std::hypot(measured.noise(a, i), measured.noise(b, i));
-        require(apart <= Constants::same_value * noise,
-                "interpolation: places " + fmt::to_string(a + 1) + " and " + fmt::to_string(b + 1) +
-                    " are the same point, and their values in mode " + fmt::to_string(i + 1) +
-                    " differ by " + fmt::format("{:.6g}", apart / noise) +
-                    " deviations of their noise; expected at most 8");
-      }
+      const bool same = (position.row(a) - position.row(b)).norm() <= size &&
+                        places.direction.row(a).dot(places.direction.row(b)) > 1.0 - 1e-9;
+      if (same) found.push_back({a, b, 0.0});
     }
   }
+  return found;
+}
+
+// Deviations of their noise by which both differ in each mode, less a gain's part.
+Eigen::ArrayXd differences(const MeasuredShapes& measured, const SamePlace& one) {
+  const Eigen::ArrayXd a = measured.values.row(one.first).transpose();
+  const Eigen::ArrayXd b = measured.values.row(one.second).transpose();
+  const Eigen::ArrayXd square = (measured.noise.row(one.first).array().square() +
+                                 measured.noise.row(one.second).array().square())
+                                    .transpose();
+  return (b - a - one.gain * 0.5 * (a + b)).abs() / square.sqrt();
+}
+
+// The one gain that takes the first's values to the second's, by least squares.
+double gain_between(const MeasuredShapes& measured, const SamePlace& one) {
+  const Eigen::ArrayXd a = measured.values.row(one.first).transpose();
+  const Eigen::ArrayXd b = measured.values.row(one.second).transpose();
+  const Eigen::ArrayXd weight = (measured.noise.row(one.first).array().square() +
+                                 measured.noise.row(one.second).array().square())
+                                    .inverse()
+                                    .transpose();
+  const Eigen::ArrayXd middle = 0.5 * (a + b);
+  const double seen = (weight * middle.square()).sum();
+  return seen > 0.0 ? (weight * middle * (b - a)).sum() / seen : 0.0;
+}
+
+// Two channels at one point may differ by their noise, or by one gain in all modes. Anything else
+// is a channel at fault. @returns those whose gains differ beyond the noise
+std::vector<SamePlace> unequal_gains(const MeasuredShapes& measured) {
+  std::vector<SamePlace> unequal;
+  for (auto one : same_places(measured.places)) {
+    Eigen::Index worst = 0;
+    const double apart = differences(measured, one).maxCoeff(&worst);
+    if (apart <= Constants::same_value) continue;
+    one.gain = gain_between(measured, one);
+    require(std::abs(one.gain) <= kUnequalGains &&
+                differences(measured, one).maxCoeff() <= Constants::same_value,
+            "interpolation: places " + fmt::to_string(one.first + 1) + " and " +
+                fmt::to_string(one.second + 1) + " are the same point, and their values in mode " +
+                fmt::to_string(worst + 1) + " differ by " + fmt::format("{:.6g}", apart) +
+                " deviations of their noise; expected at most 8, or one gain in all modes that is "
+                "at most 10 % off");
+    unequal.push_back(one);
+  }
+  return unequal;
+}
+
+// Which of both gains is the right one is not known: each gets half of the square of their
+// difference, and the mean of both is off by half of it.
+void add_gain(const MeasuredShapes& measured, const SamePlace& one, MeasuredShapes& widened) {
+  for (const auto row : {one.first, one.second}) {
+    const Eigen::ArrayXXd off =
+        0.5 * std::pow(one.gain, 2) * measured.values.row(row).array().square();
+    const auto add = [&](Eigen::MatrixXd& noise) {
+      noise.row(row) = (noise.row(row).array().square() + off).sqrt();
+    };
+    add(widened.noise);
+    if (widened.sides) add(widened.sides->noise);
+  }
+}
+
+std::string note_of(const SamePlace& one) {
+  return fmt::format(
+      "places {} and {} are the same point and their gains differ by {:.2g} %: both "
+      "count, with noise that covers it",
+      one.first + 1, one.second + 1, 100.0 * std::abs(one.gain));
 }
 
 }  // namespace
@@ -147,7 +213,7 @@ std::unique_ptr<ModeField> mode_field(const Interpolator& method, const Measured
                                       const Simulation& simulation) {
   require_sizes(measured, simulation);
   require_sound_values(measured);
-  require_agreement(measured);
+  const auto unequal = unequal_gains(measured);
   if (method.uses_modes) {
     const auto r = simulation.mode_count();
     require(r > 0 && measured.places.shapes.cols() == r && simulation.surface.shapes.cols() == r &&
@@ -156,7 +222,12 @@ std::unique_ptr<ModeField> mode_field(const Interpolator& method, const Measured
                 " needs the simulation's modes at every place; expected " + fmt::to_string(r) +
                 " columns, found " + fmt::to_string(measured.places.shapes.cols()));
   }
-  return method.fit(measured, simulation);
+  if (unequal.empty()) return method.fit(measured, simulation);
+  auto widened = measured;
+  for (const auto& one : unequal) add_gain(measured, one, widened);
+  auto field = method.fit(widened, simulation);
+  for (const auto& one : unequal) field->summary_.notes.push_back(note_of(one));
+  return field;
 }
 
 Eigen::VectorXd squared_error(const Eigen::MatrixXd& mean, const Eigen::MatrixXd& truth,
@@ -168,9 +239,14 @@ Eigen::VectorXd squared_error(const Eigen::MatrixXd& mean, const Eigen::MatrixXd
 
 Eigen::VectorXd coverage(const Field& field, const Eigen::MatrixXd& truth,
                          const Eigen::VectorXd& area) {
-  const Eigen::MatrixXd inside =
-      ((field.mean - truth).array().abs() <= kTwoSided95 * field.deviation.array()).cast<double>();
-  return inside.transpose() * area / area.sum();
+  const Eigen::ArrayXXd wrong = (field.mean - truth).array().abs();
+  const Eigen::MatrixXd inside = (wrong <= kTwoSided95 * field.deviation.array()).cast<double>();
+  Eigen::VectorXd covered = inside.transpose() * area / area.sum();
+  for (Eigen::Index i = 0; i < covered.size(); ++i) {
+    const auto unknown = field.deviation.col(i).array().isNaN() && area.array() > 0.0;
+    if (unknown.any()) covered(i) = std::numeric_limits<double>::quiet_NaN();
+  }
+  return covered;
 }
 
 }  // namespace chladni::priors

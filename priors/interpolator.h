@@ -96,9 +96,14 @@ struct FitSummary {
   bool includes_scale = false;
 };
 
+struct Interpolator;
+
 /// m mode shapes on the whole body with their uncertainty.
 class ModeField {
  public:
+  friend std::unique_ptr<ModeField> mode_field(const Interpolator& method,
+                                               const MeasuredShapes& measured,
+                                               const Simulation& simulation);
   virtual ~ModeField() = default;
   ModeField(const ModeField&) = delete;
   ModeField& operator=(const ModeField&) = delete;
@@ -138,6 +143,7 @@ struct Interpolator {
 /// @throws InvalidInput      fewer than three places, arrays that do not fit each other, a value or
 ///                           frequency that is not finite, noise that is not positive, places at
 ///                           one point whose values differ by more than 8 deviations of the noise
+///                           and not by one gain of up to 10 % (which widens the noise of both)
 /// @throws NumericalFailure  the method failed; says at which mode
 [[nodiscard]] std::unique_ptr<ModeField> mode_field(const Interpolator& method,
                                                     const MeasuredShapes& measured,
@@ -154,7 +160,9 @@ inline constexpr double kHardlySeen = 0.3;
                                             const Eigen::MatrixXd& truth,
                                             const Eigen::VectorXd& area);
 
-/// Part of the surface, per mode, where the truth lies within ±1.96 deviations.
+/// Part of the surface, per mode, where the truth lies within ±1.96 deviations; NaN where the field
+/// has none. @param truth  N×m
+/// @param area   N [m²]; what is 0 does not count
 [[nodiscard]] Eigen::VectorXd coverage(const Field& field, const Eigen::MatrixXd& truth,
                                        const Eigen::VectorXd& area);
 

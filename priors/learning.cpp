@@ -329,9 +329,21 @@ Eigen::VectorXd noise_dependence(const std::vector<Learned>& found, const Kernel
   Learning louder = how;
   louder.noise_ratio *= 100.0;
   louder.starts = 1;
+  std::vector<Learned> again;
+  if (kernel.parameter_count() == 1) {
+    again = learned(kernel, points, values, louder);
+  } else {
+    // From where each search ended: another start could end on another peak, or elsewhere along a
+    // length that the points do not know, which has nothing to do with the noise.
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      louder.start = found[i].parameters;
+      const auto shape = static_cast<Eigen::Index>(i);
+      again.push_back(
+          learned(kernel, points, how.shared ? values : Eigen::MatrixXd(values.col(shape)), louder)
+              .front());
+    }
+  }
   Eigen::VectorXd change(static_cast<Eigen::Index>(found.size()));
-  if (how.shared) louder.start = found.front().parameters;
-  const auto again = learned(kernel, points, values, louder);
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Eigen::ArrayXd moved =
         (again[i].parameters.array() / found[i].parameters.array()).log().abs();

@@ -75,6 +75,13 @@ using OnIdentified = std::function<void(const IdentifiedModel& model)>;
 [[nodiscard]] Interpolated interpolated(const study::Study& study, const stage::Solution& solution,
                                         stage::Work& work, const OnIdentified& on_identified = {});
 
+/// The step of `interpolated` for one method. All its fields have the deviation of the scale
+/// between sensors and actuators, as `field_at`.
+/// @param result  what was measured, where the fields are wanted, and the simulation
+/// @throws InvalidInput  the method cannot be used here
+[[nodiscard]] Interpolation interpolated_by(const priors::Interpolator& method,
+                                            const Interpolated& result);
+
 /// The step of `interpolated` that reads a table, or a study that stands for the real body.
 [[nodiscard]] Measured measured(const study::Study& study, const stage::Solution& solution,
                                 const priors::Simulation& simulation,

@@ -1,26 +1,12 @@
 #include "placement/interpolation.h"
 
-#include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
+#include "placement/layout_criteria/posterior.h"
 
 namespace chladni::placement {
 namespace {
-
-// Posterior covariance of the coefficients of shape i.
-Eigen::MatrixXd posterior(const Eigen::VectorXd& variance, const Eigen::MatrixXd& rows,
-                          const Eigen::VectorXd& noise) {
-  const Eigen::MatrixXd spread = variance.asDiagonal() * rows.transpose();
-  Eigen::MatrixXd samples = rows * spread;
-  samples.diagonal() += noise.cwiseAbs2();
-  const Eigen::LLT<Eigen::MatrixXd> factor(samples);
-  const Eigen::MatrixXd half = factor.matrixL().solve(spread.transpose());
-  Eigen::MatrixXd covariance = -(half.transpose() * half);
-  covariance.diagonal() += variance;
-  return covariance;
-}
 
 void check(const ShapePrior& prior, const Eigen::MatrixXd& rows, const Eigen::MatrixXd& noise) {
   require(rows.cols() == prior.variance.rows() && noise.rows() == rows.rows() &&
@@ -31,6 +17,21 @@ void check(const ShapePrior& prior, const Eigen::MatrixXd& rows, const Eigen::Ma
 }
 
 }  // namespace
+
+void learn(const Eigen::RowVectorXd& row, double noise, Eigen::MatrixXd& root) {
+  const Eigen::VectorXd seen = root.transpose() * row.transpose();
+  const double spread = std::hypot(seen.norm(), noise);
+  const Eigen::VectorXd ahead = root * seen;
+  // W (I − γ v vᵀ): along v it shrinks by noise/spread.
+  root.noalias() -= (1.0 / (spread * (spread + noise))) * ahead * seen.transpose();
+}
+
+Eigen::MatrixXd root_of_posterior(const Eigen::VectorXd& variance, const Eigen::MatrixXd& rows,
+                                  const Eigen::VectorXd& noise) {
+  Eigen::MatrixXd root = variance.cwiseSqrt().asDiagonal();
+  for (Eigen::Index s = 0; s < rows.rows(); ++s) learn(rows.row(s), noise(s), root);
+  return root;
+}
 
 ShapePrior shape_prior(const Eigen::MatrixXd& shapes, const Eigen::VectorXd& area,
                        const Eigen::VectorXd& frequency_hz, const std::vector<Eigen::Index>& wanted,
@@ -55,8 +56,8 @@ ExpectedError expected_error(const ShapePrior& prior, const Eigen::MatrixXd& row
   check(prior, rows, noise);
   ExpectedError error{Eigen::VectorXd(prior.variance.cols())};
   for (Eigen::Index i = 0; i < error.per_mode.size(); ++i) {
-    const Eigen::MatrixXd left = posterior(prior.variance.col(i), rows, noise.col(i));
-    error.per_mode(i) = prior.gram.cwiseProduct(left).sum();
+    const Eigen::MatrixXd root = root_of_posterior(prior.variance.col(i), rows, noise.col(i));
+    error.per_mode(i) = (prior.gram * root).cwiseProduct(root).sum();
   }
   return error;
 }
@@ -66,9 +67,8 @@ Eigen::MatrixXd expected_deviation(const ShapePrior& prior, const Eigen::MatrixX
   check(prior, rows, noise);
   Eigen::MatrixXd deviation(places.rows(), prior.variance.cols());
   for (Eigen::Index i = 0; i < deviation.cols(); ++i) {
-    const Eigen::MatrixXd left = posterior(prior.variance.col(i), rows, noise.col(i));
-    deviation.col(i) =
-        (places * left).cwiseProduct(places).rowwise().sum().cwiseMax(0.0).cwiseSqrt();
+    const Eigen::MatrixXd root = root_of_posterior(prior.variance.col(i), rows, noise.col(i));
+    deviation.col(i) = (places * root).rowwise().norm();
   }
   return deviation;
 }

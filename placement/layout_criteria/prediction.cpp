@@ -21,8 +21,11 @@ double alpha_percent(const LayoutView& view) {
   }
   pairs.shapes = shapes.bottomRows(1);
   pairs.present = shapes.topRows(count - 1);
-  pairs.slopes = Eigen::MatrixXd::Zero(1, shapes.cols());
-  pairs.present_slopes = Eigen::MatrixXd::Zero(count - 1, shapes.cols());
+  Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(count, shapes.cols());
+  if (view.position_error > 0.0) slopes = view.pair_slopes;
+  pairs.slopes = slopes.bottomRows(1);
+  pairs.present_slopes = slopes.topRows(count - 1);
+  pairs.position_error = view.position_error;
   pairs.sensor_noise = view.sensor_noise;
   pairs.actuator_noise = view.actuator_noise;
   return 100.0 * alpha_deviation(pairs).maxCoeff();

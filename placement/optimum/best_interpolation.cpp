@@ -1,7 +1,6 @@
 // Exchange for the layout with the smallest expected error of interpolation.
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,9 +10,8 @@
 
 #include "base/error.h"
 #include "base/interrupt.h"
-#include "dense/algebra.h"
-#include "host/parallel.h"
 #include "placement/interpolation.h"
+#include "placement/layout_criteria/posterior.h"
 #include "placement/optimum/spacing.h"
 #include "placement/optimum/thinned.h"
 
@@ -23,72 +21,65 @@ namespace {
 using Indices = std::vector<Eigen::Index>;
 constexpr double kForbidden = -1.0;  // gain of a forbidden site
 
-// One shape. Its rows are scaled by the prior, so that its coefficients start as the identity.
-struct Shape {
-  Eigen::MatrixXd rows;        // N×r
-  Eigen::MatrixXd gram;        // r×r
-  Eigen::MatrixXd covariance;  // r×r, posterior
-  double variance = 0.0;       // noise variance of one site
+// What the sites of a layout leave unknown of one shape: W with the coefficients' covariance W Wᵀ.
+struct Unknown {
+  Eigen::MatrixXd root;
+  Eigen::MatrixXd gram;  // Wᵀ G W, whose trace is the error
 };
 
-// A layout with the remaining uncertainty.
+// A layout with the remaining uncertainty of each shape.
 class Layout {
  public:
   explicit Layout(const InterpolationProblem& problem) : problem_(problem) {
     const auto& prior = problem.prior;
     for (Eigen::Index i = 0; i < prior.variance.cols(); ++i) {
-      const Eigen::VectorXd scale = prior.variance.col(i).cwiseSqrt();
-      Shape shape;
-      shape.rows = problem.rows * scale.asDiagonal();
-      shape.gram = scale.asDiagonal() * prior.gram * scale.asDiagonal();
-      shape.variance = problem.noise(i) * problem.noise(i);
-      Eigen::MatrixXd known = Eigen::MatrixXd::Identity(scale.size(), scale.size());
-      if (problem.there.rows() > 0) {
-        const Eigen::MatrixXd staying = problem.there_noise.col(i).cwiseInverse().asDiagonal() *
-                                        problem.there * scale.asDiagonal();
-        known += staying.transpose() * staying;
-      }
-      shape.covariance = dense::inverse_of(known.llt());
-      shapes_.push_back(std::move(shape));
+      const bool none = problem.there.rows() == 0;
+      start_.push_back(root_of_posterior(
+          prior.variance.col(i), problem.there,
+          none ? Eigen::VectorXd() : Eigen::VectorXd(problem.there_noise.col(i))));
     }
+    begin_anew();
   }
 
   [[nodiscard]] const Indices& sites() const { return sites_; }
 
   [[nodiscard]] double error() const {
     double sum = 0.0;
-    for (const auto& shape : shapes_) sum += shape.gram.cwiseProduct(shape.covariance).sum();
+    for (const auto& shape : shapes_) sum += shape.gram.trace();
     return sum / static_cast<double>(shapes_.size());
   }
 
   void add(Eigen::Index site) {
-    change(site, 1.0);
+    learn_from(site);
     sites_.push_back(site);
+    weigh();
   }
 
+  // The digits that a site took away do not come back: the others are added once more.
   void remove(std::size_t k) {
-    change(sites_[k], -1.0);
     sites_.erase(sites_.begin() + static_cast<std::ptrdiff_t>(k));
+    begin_anew();
   }
 
   // Decrease of the error by each of `candidates`.
   [[nodiscard]] Eigen::VectorXd gains(const Indices& candidates) const {
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(candidates.size()));
     const bool everywhere = sum.size() == problem_.rows.rows();
-    for (const auto& shape : shapes_) {
-      const Eigen::MatrixXd chosen =
-          everywhere ? Eigen::MatrixXd() : shape.rows(candidates, Eigen::all);
-      const Eigen::MatrixXd& rows = everywhere ? shape.rows : chosen;
-      const Eigen::MatrixXd ahead = rows * shape.covariance;
-      const Eigen::VectorXd seen = ahead.cwiseProduct(rows).rowwise().sum();
-      const Eigen::MatrixXd weighed = ahead * shape.gram;
-      sum.array() +=
-          weighed.cwiseProduct(ahead).rowwise().sum().array() / (seen.array() + shape.variance);
+    const Eigen::MatrixXd chosen =
+        everywhere ? Eigen::MatrixXd() : problem_.rows(candidates, Eigen::all);
+    const Eigen::MatrixXd& rows = everywhere ? problem_.rows : chosen;
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+      const double noise = problem_.noise(static_cast<Eigen::Index>(i));
+      const Eigen::MatrixXd seen = rows * shapes_[i].root;
+      const Eigen::MatrixXd weighed = seen * shapes_[i].gram;
+      sum.array() += weighed.cwiseProduct(seen).rowwise().sum().array() /
+                     (seen.rowwise().squaredNorm().array() + noise * noise);
     }
+    sum = (sum / static_cast<double>(shapes_.size())).cwiseMax(0.0).eval();
     for (Eigen::Index c = 0; c < sum.size(); ++c) {
       if (!fits(candidates[static_cast<std::size_t>(c)])) sum(c) = kForbidden;
     }
-    return sum / static_cast<double>(shapes_.size());
+    return sum;
   }
 
   // Adds the best of `candidates`; returns whether there was one.
@@ -101,14 +92,23 @@ class Layout {
   }
 
  private:
-  // Rank-one update (Sherman and Morrison).
-  void change(Eigen::Index site, double sign) {
-    for (auto& shape : shapes_) {
-      const Eigen::VectorXd row = shape.rows.row(site).transpose();
-      const Eigen::VectorXd ahead = shape.covariance * row;
-      shape.covariance -=
-          (sign / (shape.variance + sign * row.dot(ahead))) * ahead * ahead.transpose();
+  void learn_from(Eigen::Index site) {
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+      learn(problem_.rows.row(site), problem_.noise(static_cast<Eigen::Index>(i)), shapes_[i].root);
     }
+  }
+
+  void weigh() {
+    for (auto& shape : shapes_) {
+      shape.gram = shape.root.transpose() * problem_.prior.gram * shape.root;
+    }
+  }
+
+  void begin_anew() {
+    shapes_.assign(start_.size(), {});
+    for (std::size_t i = 0; i < shapes_.size(); ++i) shapes_[i].root = start_[i];
+    for (const auto site : sites_) learn_from(site);
+    weigh();
   }
 
   [[nodiscard]] bool fits(Eigen::Index candidate) const {
@@ -116,7 +116,8 @@ class Layout {
   }
 
   const InterpolationProblem& problem_;
-  std::vector<Shape> shapes_;
+  std::vector<Eigen::MatrixXd> start_;  // W of each shape before any site
+  std::vector<Unknown> shapes_;
   Indices sites_;
 };
 

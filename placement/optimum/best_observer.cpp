@@ -12,6 +12,7 @@
 #include "base/interrupt.h"
 #include "dense/riccati.h"
 #include "host/parallel.h"
+#include "placement/constants.h"
 #include "placement/observer_layouts.h"
 #include "placement/optimum/spacing.h"
 #include "placement/optimum/thinned.h"
@@ -269,6 +270,12 @@ void check(const ObserverProblem& problem) {
       counts.only_sensors() || problem.task.effort > 0.0,
       "layout for an observer: actuators or pairs are to be chosen, and what a force costs is not "
       "stated; expected an effort above 0 m/N");
+  require_positions(problem.position, problem.rows.rows(), problem.spacing);
+  require(
+      problem.position.rows() > 0 || problem.rows.rows() <= 2 * Constants::coarse,
+      fmt::format("layout for an observer: {} candidates without positions; expected at most {}, "
+                  "or their positions",
+                  problem.rows.rows(), 2 * Constants::coarse));
   const bool acted = problem.actuators.rows() > 0 || !counts.only_sensors();
   require(
       acted || !problem.task.fixed.empty(),

@@ -59,6 +59,7 @@ PairViews::PairViews(const Structure& structure, const Sites& surface, WantedMod
     : structure_(structure),
       wanted_(std::move(wanted)),
       present_(0, structure.frequency_hz.size()),
+      present_slopes_(0, std::ssize(wanted_.columns)),
       position_error_(plan.position_error),
       over_(plan.over) {
   actuators_.resize(0, structure.frequency_hz.size());
@@ -71,6 +72,8 @@ PairViews::PairViews(const Structure& structure, const Sites& surface, WantedMod
     if (!structure.sensors.keeps(s) || !structure.actuators.keeps(a)) continue;
     present_.conservativeResize(present_.rows() + 1, Eigen::NoChange);
     present_.bottomRows<1>() = structure.actuators.shapes.row(a);
+    present_slopes_.conservativeResize(present_.rows(), std::ssize(wanted_.columns));
+    present_slopes_.bottomRows<1>() = slopes_of(structure.actuators, a, surface)(wanted_.columns);
   }
 }
 
@@ -88,7 +91,7 @@ std::vector<PairView> PairViews::at(const Sites& sites) const {
     view.shapes = wanted_part(sites.shapes, k);
     view.slopes = sites.slopes(Eigen::all, wanted_.columns);
     view.present = wanted_part(present_, k);
-    view.present_slopes = Eigen::MatrixXd::Zero(view.present.rows(), view.present.cols());
+    view.present_slopes = present_slopes_;
     view.actuators = wanted_part(actuators_, k);
     view.largest = norms_[k].largest;
     view.rms = norms_[k].rms;

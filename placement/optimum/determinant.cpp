@@ -32,6 +32,7 @@ void check(const DeterminantProblem& problem) {
   require(problem.count >= 1 && problem.count <= problem.rows.rows(),
           "layout: " + fmt::to_string(problem.count) + " sites are wanted of " +
               fmt::to_string(problem.rows.rows()) + " candidates");
+  require_positions(problem.position, problem.rows.rows(), problem.spacing);
   require(
       problem.prior.rows() == problem.rows.cols() && problem.prior.cols() == problem.rows.cols(),
       "layout: the prior does not fit the candidates");

@@ -1,12 +1,24 @@
 // Minimum distance between sites.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <string>
 #include <vector>
 
 #include "base/arrays.h"
+#include "base/error.h"
 
 namespace chladni::placement {
+
+/// @throws InvalidInput  not one position per candidate; without spacing there may be none
+inline void require_positions(const Points& position, Eigen::Index candidates, double spacing) {
+  const bool none = position.rows() == 0 && !(spacing > 0.0);
+  require(none || position.rows() == candidates,
+          "layout: there are " + fmt::to_string(candidates) + " candidates and " +
+              fmt::to_string(position.rows()) + " positions; expected as many");
+}
 
 /// Whether sites a and b exclude each other. @param position  N×3 [m]; may be
 /// empty if `spacing` is 0

@@ -16,6 +16,10 @@ void require_size(Eigen::Index found, Eigen::Index expected, const std::string& 
 void require_channels(const Channels& channels, Eigen::Index modes, const std::string& kind) {
   const auto count = channels.count();
   if (count > 0) require_size(channels.shapes.cols(), modes, "the number of modes at " + kind);
+  if (channels.slopes.size() > 0) {
+    require_size(channels.slopes.rows(), count, "the number of slope rows of " + kind);
+    require_size(channels.slopes.cols(), modes, "the number of slopes of " + kind);
+  }
   require_size(channels.lines.position.rows(), count, "the number of places of " + kind);
   require_size(channels.lines.direction.rows(), count, "the number of directions of " + kind);
   require(channels.stays.empty() || std::ssize(channels.stays) == count,
@@ -23,6 +27,17 @@ void require_channels(const Channels& channels, Eigen::Index modes, const std::s
 }
 
 }  // namespace
+
+Eigen::RowVectorXd slopes_near(const Eigen::RowVector3d& position, const Sites& surface) {
+  Eigen::Index nearest = 0;
+  (surface.position.rowwise() - position).rowwise().squaredNorm().minCoeff(&nearest);
+  return surface.slopes.row(nearest);
+}
+
+Eigen::RowVectorXd slopes_of(const Channels& channels, Eigen::Index channel, const Sites& surface) {
+  if (channels.slopes.size() > 0) return channels.slopes.row(channel);
+  return slopes_near(channels.lines.position.row(channel), surface);
+}
 
 void require_fit(const Structure& structure, const Sites& surface) {
   const auto modes = structure.frequency_hz.size();

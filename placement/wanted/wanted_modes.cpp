@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -65,25 +66,50 @@ void complete_groups(const Structure& structure, double tolerance, std::set<Eige
   }
 }
 
-// Root of the sum of squares at some channels, for each wanted mode; the surface's mean if there
-// are none.
+// How strongly some channels drive or see a group [kg^-1/2]: for a single mode the root of its sum
+// of squares. An entry of k repeated modes is known from the others with the covariance (ΦᵀΦ)⁻¹,
+// whose mean the root of the harmonic mean of the eigenvalues gives in every basis. With fewer
+// channels than modes it is the share of one mode, as in `visibility`.
+double drive_of(const Eigen::MatrixXd& shapes) {
+  const Eigen::MatrixXd gram = shapes.transpose() * shapes;
+  const double size = static_cast<double>(shapes.cols());
+  if (shapes.cols() == 1 || shapes.rows() < shapes.cols()) return std::sqrt(gram.trace() / size);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram, Eigen::EigenvaluesOnly);
+  return std::sqrt(size / solver.eigenvalues().cwiseMax(1e-24).cwiseInverse().sum());
+}
+
+// The same for each wanted mode; the surface's mean if there are no channels.
 Eigen::VectorXd drive(const Channels& channels, const WantedModes& wanted) {
   if (channels.count() == 0) return wanted.rms;
-  return channels.shapes(Eigen::all, wanted.columns).colwise().norm().transpose();
+  const Eigen::MatrixXd shapes = channels.shapes(Eigen::all, wanted.columns);
+  Eigen::VectorXd drives(shapes.cols());
+  for (const auto& [first, size] : wanted.groups) {
+    drives.segment(first, size).setConstant(drive_of(shapes.middleCols(first, size)));
+  }
+  return drives;
+}
+
+// Each group's mean: a rotation within it moves no member away from the others.
+Eigen::ArrayXd mean_of_groups(const Eigen::VectorXd& values, const WantedModes& wanted) {
+  Eigen::ArrayXd means = values;
+  for (const auto& [first, size] : wanted.groups) {
+    means.segment(first, size).setConstant(values.segment(first, size).mean());
+  }
+  return means;
 }
 
 // Standard deviations of the entries of L and R from a fit to FRFs with noise s on every line. At a
 // resonance the peak is φ_s φ_a / (2 ζ ω²), and π ζ f / Δf lines contribute to it.
 void set_noise_of_frf(const Structure& structure, const Plan& plan, WantedModes& wanted) {
-  const Eigen::VectorXd frequency = structure.frequency_hz(wanted.columns);
-  const Eigen::VectorXd damping = structure.damping_ratio(wanted.columns);
-  require(damping.minCoeff() > 0.0,
+  const Eigen::VectorXd known = structure.damping_ratio(wanted.columns);
+  require(known.minCoeff() > 0.0,
           "placement.frf_noise needs modes.damping_ratio: it says how high a resonance stands");
-  const Eigen::ArrayXd omega = 2.0 * std::numbers::pi * frequency.array();
+  const auto frequency = mean_of_groups(structure.frequency_hz(wanted.columns), wanted);
+  const auto damping = mean_of_groups(known, wanted);
+  const Eigen::ArrayXd omega = 2.0 * std::numbers::pi * frequency;
   const Eigen::ArrayXd lines =
-      (std::numbers::pi * damping.array() * frequency.array() / plan.resolution_hz).max(1.0);
-  const Eigen::ArrayXd product =
-      2.0 * damping.array() * omega.square() * plan.frf_noise / lines.sqrt();
+      (std::numbers::pi * damping * frequency / plan.resolution_hz).max(1.0);
+  const Eigen::ArrayXd product = 2.0 * damping * omega.square() * plan.frf_noise / lines.sqrt();
   wanted.sensor_noise = (product / drive(structure.actuators, wanted).array().max(1e-12));
   wanted.actuator_noise = (product / drive(structure.sensors, wanted).array().max(1e-12));
 }

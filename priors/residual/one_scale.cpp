@@ -50,15 +50,13 @@ OneScale::UnitPrior OneScale::unit_prior(Eigen::Index mode, const OneScaleErrors
   if (highest > 0.0) {
     prior.own = squared(errors.deviation) * mean_square_ * std::sqrt(hz / highest);
   }
-  if (hz == 0.0) {
-    const Eigen::VectorXd rigid = (basis_.frequency_hz.array() == 0.0).cast<double>();
-    prior.variance = rigid / std::max(1.0, rigid.sum());
-    return prior;
-  }
-  prior.variance = coefficient_variances(basis_.frequency_hz, hz, errors.prior);
-  const double above = basis_.beyond_hz.size() > 0
-                           ? coefficient_variances(basis_.beyond_hz, hz, errors.prior).sum()
-                           : 0.0;
+  const double lowest = basis_.frequency_hz.minCoeff();
+  const auto variances = [&](const Eigen::VectorXd& frequency_hz) -> Eigen::VectorXd {
+    return hz == 0.0 ? variances_at_rest(frequency_hz, lowest)
+                     : coefficient_variances(frequency_hz, hz, errors.prior);
+  };
+  prior.variance = variances(basis_.frequency_hz);
+  const double above = basis_.beyond_hz.size() > 0 ? variances(basis_.beyond_hz).sum() : 0.0;
   const double sum = prior.variance.sum() + above;
   prior.variance /= sum;
   prior.own += above * basis_.beyond_square / sum;

@@ -45,13 +45,12 @@ Eigen::MatrixXd variance_slopes(const Eigen::VectorXd& frequency_hz, double real
   return slopes;
 }
 
-void add_beyond(const ModalBasis& basis, double real_hz, const DynamicResidual& prior,
+// @param q, slopes  variances of the higher modes, and the slopes of their logarithms
+void add_beyond(const ModalBasis& basis, const Eigen::VectorXd& q, const Eigen::MatrixXd& slopes,
                 CoefficientPrior& known) {
-  if (basis.beyond_hz.size() == 0) return;
-  const Eigen::VectorXd q = coefficient_variances(basis.beyond_hz, real_hz, prior);
+  if (q.size() == 0) return;
   const double above = basis.beyond_square * q.sum();
-  const Eigen::Vector3d above_slopes =
-      basis.beyond_square * variance_slopes(basis.beyond_hz, real_hz, prior).transpose() * q;
+  const Eigen::Vector3d above_slopes = basis.beyond_square * slopes.transpose() * q;
   const Eigen::VectorXd squares = known.variance.cwiseProduct(basis.gram.diagonal());
   const double below = squares.sum();
   const Eigen::Vector3d below_slopes = known.slopes.transpose() * squares;
@@ -74,9 +73,13 @@ struct DividedDifferences {
 DividedDifferences divided_differences(const Eigen::VectorXd& frequency_hz, double real_hz,
                                        const DynamicResidual& prior) {
   const auto r = frequency_hz.size();
-  if (real_hz == 0.0) {  // q is 1 at 0 and 0 elsewhere
-    const Eigen::VectorXd rigid = (frequency_hz.array() == 0.0).cast<double>();
-    return {Eigen::MatrixXd::Zero(r, r), rigid * rigid.transpose()};
+  if (real_hz == 0.0) {
+    const double lowest = frequency_hz.minCoeff();
+    const Eigen::VectorXd q = variances_at_rest(frequency_hz, lowest);
+    // On a free body q is 1 at 0 and 0 elsewhere, on a held one λ_1/λ.
+    if (lowest == 0.0) return {Eigen::MatrixXd::Zero(r, r), q * q.transpose()};
+    const double first = std::pow(2.0 * std::numbers::pi * lowest, 2);
+    return {-q * q.transpose() / first, Eigen::MatrixXd::Zero(r, r)};
   }
   const double scale = prior.gamma / std::pow(2.0 * std::numbers::pi * real_hz, 2);
   const Eigen::ArrayXd ratio = prior.gamma * (frequency_hz / real_hz).array().square();
@@ -162,18 +165,29 @@ ModalBasis modal_basis(const Simulation& simulation) {
   return basis;
 }
 
+Eigen::VectorXd variances_at_rest(const Eigen::VectorXd& frequency_hz, double lowest_hz) {
+  if (lowest_hz == 0.0) return (frequency_hz.array() == 0.0).cast<double>();
+  return (lowest_hz / frequency_hz.array()).square();
+}
+
 CoefficientPrior coefficient_prior(const ModalBasis& basis, double real_hz,
                                    const DynamicResidual& prior) {
   CoefficientPrior known;
   const auto r = basis.frequency_hz.size();
+  const auto above = basis.beyond_hz.size();
   if (real_hz == 0.0) {
-    known.variance = (basis.frequency_hz.array() == 0.0).cast<double>();
+    const double lowest = basis.frequency_hz.minCoeff();
+    known.variance = variances_at_rest(basis.frequency_hz, lowest);
     known.slopes.setZero(r, 3);
+    add_beyond(basis, variances_at_rest(basis.beyond_hz, lowest), Eigen::MatrixXd::Zero(above, 3),
+               known);
     return known;
   }
   known.variance = coefficient_variances(basis.frequency_hz, real_hz, prior);
   known.slopes = variance_slopes(basis.frequency_hz, real_hz, prior);
-  add_beyond(basis, real_hz, prior, known);
+  if (above == 0) return known;
+  add_beyond(basis, coefficient_variances(basis.beyond_hz, real_hz, prior),
+             variance_slopes(basis.beyond_hz, real_hz, prior), known);
   return known;
 }
 

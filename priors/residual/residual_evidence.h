@@ -32,8 +32,15 @@ struct CoefficientPrior {
   Eigen::Vector3d beyond_slopes = Eigen::Vector3d::Zero();  ///< of `beyond`
 };
 
-/// The prior of the real shape at `real_hz`. At 0 Hz it is a rigid-body motion, which only
-/// rigid-body modes contain.
+/// Variances of the coefficients of a shape at 0 Hz, up to one scale: a rigid-body motion, which
+/// only rigid-body modes contain. A simulation that is held has none, and its softest modes take
+/// their place: 1/ω², the limit of `coefficient_variances` for low frequencies.
+/// @param frequency_hz  any modes
+/// @param lowest_hz     of all the simulation's modes
+[[nodiscard]] Eigen::VectorXd variances_at_rest(const Eigen::VectorXd& frequency_hz,
+                                                double lowest_hz);
+
+/// The prior of the real shape at `real_hz`; at 0 Hz that of `variances_at_rest`.
 [[nodiscard]] CoefficientPrior coefficient_prior(const ModalBasis& basis, double real_hz,
                                                  const DynamicResidual& prior);
 

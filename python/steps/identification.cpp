@@ -159,7 +159,7 @@ py::tuple shapes_near(const StudyField& field, const Points& points,
                       const std::optional<Points>& direction, const std::string& method) {
   auto found = [&] {
     const LongCall call;
-    return field.by(method).field->at(field.places_near(points, direction));
+    return steps::field_at(field.by(method), field.places_near(points, direction));
   }();
   return py::make_tuple(std::move(found.mean), std::move(found.deviation));
 }

@@ -155,7 +155,9 @@ void score_hidden(const Interpolated& result, Interpolation& interpolation) {
                                  hidden.noise.row(c).array().square())
                                     .sqrt();
     interpolation.hidden_covered(c) =
-        (wrong.transpose().array().abs() <= priors::kTwoSided95 * band).cast<double>().mean();
+        band.isNaN().any()
+            ? std::numeric_limits<double>::quiet_NaN()
+            : (wrong.transpose().array().abs() <= priors::kTwoSided95 * band).cast<double>().mean();
     interpolation.hidden_frf_error(c) = std::numeric_limits<double>::quiet_NaN();
     if (!has_frf) continue;
     const auto real = responses(measured, hidden.values.row(c));
@@ -181,31 +183,10 @@ void widen_by_scale(const Interpolated& result, Interpolation& interpolation) {
   const auto off = with_scale_off(result.measured);
   if (!off) return;
   interpolation.with_scale_off = priors::mode_field(*interpolation.method, *off, result.simulation);
+  widen(interpolation, result.simulation.surface, interpolation.surface);
   widen(interpolation, result.measured.hidden.places, interpolation.hidden);
   widen(interpolation, result.point_places, interpolation.points);
   widen(interpolation, result.unmeasured_places, interpolation.unmeasured);
-}
-
-Interpolation interpolation_by(const priors::Interpolator& method, const Interpolated& result) {
-  const auto& measured = result.measured;
-  Interpolation interpolation;
-  interpolation.method = &method;
-  interpolation.field = priors::mode_field(method, measured.shapes, result.simulation);
-  interpolation.surface = interpolation.field->at(result.simulation.surface);
-  if (measured.hidden.places.count() > 0)
-    interpolation.hidden = interpolation.field->at(measured.hidden.places);
-  if (!result.points.empty()) interpolation.points = interpolation.field->at(result.point_places);
-  if (!result.unmeasured.empty())
-    interpolation.unmeasured = interpolation.field->at(result.unmeasured_places);
-  widen_by_scale(result, interpolation);
-  if (measured.hidden.places.count() > 0) score_hidden(result, interpolation);
-  if (measured.truth.size() > 0) {
-    interpolation.error =
-        priors::squared_error(interpolation.surface.mean, measured.truth, measured.truth_area);
-    interpolation.covered =
-        priors::coverage(interpolation.surface, measured.truth, measured.truth_area);
-  }
-  return interpolation;
 }
 
 // The first default method accepts any places. If another one does not, a note says so.
@@ -213,7 +194,7 @@ void add_method(const std::string& name, bool asked_for, Interpolated& result, s
   tell(work.progress(), "interpolating: " + name);
   work.timed("interpolate: " + name, [&] {
     try {
-      result.methods.push_back(interpolation_by(priors::interpolator(name), result));
+      result.methods.push_back(interpolated_by(priors::interpolator(name), result));
     } catch (const InvalidInput& e) {
       if (asked_for || result.methods.empty()) throw;
       work.note(name + " is left out: " + e.what());
@@ -247,6 +228,28 @@ Interpolated interpolated(const study::Study& study, const stage::Solution& solu
   const bool asked_for = study.interpolation && !study.interpolation->methods.empty();
   for (const auto& name : plan.methods) add_method(name, asked_for, result, work);
   return result;
+}
+
+Interpolation interpolated_by(const priors::Interpolator& method, const Interpolated& result) {
+  const auto& measured = result.measured;
+  Interpolation interpolation;
+  interpolation.method = &method;
+  interpolation.field = priors::mode_field(method, measured.shapes, result.simulation);
+  interpolation.surface = interpolation.field->at(result.simulation.surface);
+  if (measured.hidden.places.count() > 0)
+    interpolation.hidden = interpolation.field->at(measured.hidden.places);
+  if (!result.points.empty()) interpolation.points = interpolation.field->at(result.point_places);
+  if (!result.unmeasured.empty())
+    interpolation.unmeasured = interpolation.field->at(result.unmeasured_places);
+  widen_by_scale(result, interpolation);
+  if (measured.hidden.places.count() > 0) score_hidden(result, interpolation);
+  if (measured.truth.size() > 0) {
+    interpolation.error =
+        priors::squared_error(interpolation.surface.mean, measured.truth, measured.truth_area);
+    interpolation.covered =
+        priors::coverage(interpolation.surface, measured.truth, measured.truth_area);
+  }
+  return interpolation;
 }
 
 priors::Field field_at(const Interpolation& interpolation, const priors::Places& places) {

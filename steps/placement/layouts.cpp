@@ -42,12 +42,30 @@ study::LayoutPlan layout_of_all_channels(const study::Study& study) {
   return {"study", study::names_of(study.sensors), study::names_of(study.actuators)};
 }
 
-// An optimum as sensors, scored like the other layouts.
+// Adds the channels that stay, with their markers.
+void add_those_that_stay(const study::Study& study, const placement::Structure& structure,
+                         const stage::Model& model, ScoredLayout& layout) {
+  const auto markers = stage::markers_of(study, model);
+  for (std::size_t i = 0; i < study.sensors.size(); ++i) {
+    if (!structure.sensors.keeps(static_cast<Eigen::Index>(i))) continue;
+    layout.sensors.push_back(study.sensors[i].name);
+    layout.markers.push_back(markers[i]);
+  }
+  for (std::size_t i = 0; i < study.actuators.size(); ++i) {
+    if (!structure.actuators.keeps(static_cast<Eigen::Index>(i))) continue;
+    layout.actuators.push_back(study.actuators[i].name);
+    layout.markers.push_back(markers[study.sensors.size() + i]);
+  }
+}
+
+// An optimum beside the channels that stay, scored like the other layouts.
 ScoredLayout scored_optimum(const placement::Optimum& optimum,
-                            const placement::LayoutScorer& scorer) {
-  auto score = optimum.kinds.empty() ? scorer.of_sensors(optimum.shapes)
-                                     : scorer.of_devices(optimum.sensing(), optimum.acting());
+                            const placement::LayoutScorer& scorer, const study::Study& study,
+                            const placement::Structure& structure, const stage::Model& model) {
+  auto score =
+      optimum.kinds.empty() ? scorer.of_sensors(optimum.shapes) : scorer.of_devices(optimum);
   ScoredLayout layout{std::move(score), "best by " + optimum.by, {}, {}, {}};
+  add_those_that_stay(study, structure, model, layout);
   for (Eigen::Index i = 0; i < optimum.sites.rows(); ++i) {
     const auto kind = optimum.kinds.empty() ? placement::DeviceKind::sensor
                                             : optimum.kinds[static_cast<std::size_t>(i)];
@@ -90,7 +108,7 @@ void add_layouts(const study::Study& study, const stage::Solution& solution,
     note_coincident(places.layouts.back(), places.notes);
   }
   for (const auto& optimum : places.optima) {
-    places.layouts.push_back(scored_optimum(optimum, scorer));
+    places.layouts.push_back(scored_optimum(optimum, scorer, study, structure, solution.model));
   }
 }
 

@@ -1,6 +1,12 @@
 #include "steps/placement.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
 #include "base/error.h"
+#include "io/scan.h"
 #include "steps/placement/placing.h"
 
 namespace chladni::steps {
@@ -17,6 +23,46 @@ placement::Candidates candidates_of(const study::PlacementPlan& plan,
 void require_flexible_mode(const study::Study& study, const modal::Modes& modes) {
   require(modes.mode_count() > modes.rigid_count,
           study.file.string() + ": placement needs a flexible mode");
+}
+
+// Channels of the study, in quotes, that do not point as devices at the nearest of the sites would.
+std::vector<std::string> pointing_elsewhere(const std::vector<study::Channel>& channels,
+                                            const std::vector<mesh::Site>& at,
+                                            const placement::Sites& sites,
+                                            const Points& directions) {
+  constexpr double kAlong = 0.9;  // cosine of the angle
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    Eigen::Index nearest = 0;
+    (sites.position.rowwise() - at[i].position.transpose())
+        .rowwise()
+        .squaredNorm()
+        .minCoeff(&nearest);
+    const double along = directions.row(nearest).dot(channels[i].direction.transpose());
+    if (std::abs(along) < kAlong) names.push_back("\"" + channels[i].name + "\"");
+  }
+  return names;
+}
+
+// The study leaves the direction open, and its channels have others than the faces.
+void note_directions(const study::Study& study, const stage::Model& model,
+                     const placement::Sites& sites, const std::optional<Eigen::Vector3d>& direction,
+                     std::vector<std::string>& notes) {
+  const auto stated = placement_plan(study);
+  if (stated.direction || stated.along_normal || sites.position.rows() == 0) return;
+  const auto directions = stage::directions_on(sites, direction);
+  auto names = pointing_elsewhere(study.sensors, model.sensors, sites, directions);
+  for (auto& name : pointing_elsewhere(study.actuators, model.actuators, sites, directions)) {
+    names.push_back(std::move(name));
+  }
+  if (names.empty()) return;
+  const auto along = direction ? fmt::format("({:.3g}, {:.3g}, {:.3g})", direction->x() + 0.0,
+                                             direction->y() + 0.0, direction->z() + 0.0)
+                               : std::string("the surface's normal");
+  notes.push_back(
+      fmt::format("places are sought for devices along {}, and {} of the study {} "
+                  "elsewhere; placement.direction = \"x\" seeks those along x",
+                  along, io::listed(names), names.size() == 1 ? "points" : "point"));
 }
 
 }  // namespace
@@ -37,6 +83,7 @@ BestPlaces best_places(const study::Study& study, const stage::Solution& solutio
     places.surface = stage::surface_on(sampler, places.faces);
     return 0;
   });
+  note_directions(study, solution.model, places.surface.sites, own.direction, places.notes);
   const auto structure = structure_of(study, solution, own, work.seed());
   auto plan = room_plan(own, structure);
   const auto& surface = places.surface.sites;

@@ -1,5 +1,6 @@
 // The study's plan and structure as the room `placement` takes them.
 #include <algorithm>
+#include <numeric>
 
 #include "base/error.h"
 #include "mesh/surface.h"
@@ -13,9 +14,27 @@ bool stays(const study::PlacementPlan& plan, const study::Channel& channel) {
   return std::find(plan.there.begin(), plan.there.end(), channel.name) != plan.there.end();
 }
 
+// Slopes along the surface of what each channel measures or drives.
+Eigen::MatrixXd slopes_at(const placement::Channels& channels, const std::vector<mesh::Site>& sites,
+                          const stage::Solution& solution) {
+  Eigen::MatrixXd slopes(channels.count(), channels.shapes.cols());
+  std::vector<Eigen::Index> left(sites.size());
+  std::iota(left.begin(), left.end(), 0);
+  while (!left.empty()) {
+    const Eigen::Vector3d direction = channels.lines.direction.row(left.front()).transpose();
+    const placement::Sampler sampler(solution.model.body, solution.modes, {direction, 0.0});
+    std::erase_if(left, [&](Eigen::Index i) {
+      if (channels.lines.direction.row(i).transpose() != direction) return false;
+      slopes.row(i) = sampler.at({sites[static_cast<std::size_t>(i)]}).slopes.row(0);
+      return true;
+    });
+  }
+  return slopes;
+}
+
 placement::Channels channels_at(const std::vector<study::Channel>& channels,
-                                const std::vector<mesh::Site>& sites, const modal::Modes& modes,
-                                const study::PlacementPlan& plan) {
+                                const std::vector<mesh::Site>& sites,
+                                const stage::Solution& solution, const study::PlacementPlan& plan) {
   const auto count = static_cast<Eigen::Index>(channels.size());
   placement::Channels result;
   result.lines = {Points(count, 3), Points(count, 3)};
@@ -25,7 +44,8 @@ placement::Channels channels_at(const std::vector<study::Channel>& channels,
     result.lines.direction.row(row) = channels[i].direction.transpose();
     result.stays.push_back(stays(plan, channels[i]) ? 1 : 0);
   }
-  result.shapes = stage::shapes_at(channels, sites, modes);
+  result.shapes = stage::shapes_at(channels, sites, solution.modes);
+  if (plan.position_error > 0.0) result.slopes = slopes_at(result, sites, solution);
   return result;
 }
 
@@ -94,8 +114,8 @@ placement::Structure structure_of(const study::Study& study, const stage::Soluti
   structure.rigid_count = modes.rigid_count;
   structure.mass_kg = model.mass.mass_kg;
   structure.size = (box.row(1) - box.row(0)).norm();
-  structure.sensors = channels_at(study.sensors, model.sensors, modes, plan);
-  structure.actuators = channels_at(study.actuators, model.actuators, modes, plan);
+  structure.sensors = channels_at(study.sensors, model.sensors, solution, plan);
+  structure.actuators = channels_at(study.actuators, model.actuators, solution, plan);
   if (plan.uncertainty) structure.ensemble = stage::ensemble(solution, *plan.uncertainty, seed);
   structure.interest = shapes_of_interest(study, solution, plan);
   return structure;

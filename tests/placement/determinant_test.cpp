@@ -158,5 +158,15 @@ TEST(Determinant, RefusesMoreSitesThanCandidates) {
   EXPECT_THROW((void)best_determinant(broken), InvalidInput);
 }
 
+TEST(Determinant, RefusesFewerPositionsThanCandidates) {
+  auto problem = at_random(5, 2, 3, 1);
+  problem.position = Points::Zero(4, 3);
+  EXPECT_THROW((void)best_determinant(problem), InvalidInput);
+  problem.position.resize(0, 3);
+  EXPECT_EQ(best_determinant(problem).sites.size(), 3U);
+  problem.spacing = 0.1;
+  EXPECT_THROW((void)best_determinant(problem), InvalidInput);
+}
+
 }  // namespace
 }  // namespace chladni::placement

@@ -139,6 +139,16 @@ TEST(BestObserverRefuses, WhatCannotBeChosen) {
     EXPECT_NE(message.find(part), std::string::npos) << message;
   };
   refused(beam_problem(5, {.sensors = 6}), "6 devices are wanted of 5 candidates");
+  auto nowhere = beam_problem(5, {.sensors = 2});
+  nowhere.position = nowhere.position.topRows(3).eval();
+  refused(nowhere, "5 candidates and 3 positions");
+  nowhere.position.resize(0, 3);
+  EXPECT_EQ(best_observer(nowhere).devices.size(), 2U);
+  nowhere.spacing = 0.1;
+  refused(nowhere, "5 candidates and 0 positions");
+  nowhere = beam_problem(481, {.sensors = 2});
+  nowhere.position.resize(0, 3);
+  refused(nowhere, "481 candidates without positions");
   refused(beam_problem(5, {}), "no device is to be chosen");
   auto problem = beam_problem(5, {.pairs = 1});
   problem.task.effort = 0.0;

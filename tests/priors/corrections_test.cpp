@@ -163,6 +163,14 @@ TEST(CorrectedEvidence, SlopesEqualDifferencesForAMotionAsAWhole) {
   expect_slopes_equal_differences(all, measured, 0.5 * correction_parameters());
 }
 
+TEST(CorrectedEvidence, SlopesEqualDifferencesForAShapeAtRestOfAHeldBody) {
+  auto all = made(1);
+  all.basis.frequency_hz.head(3) << 20, 35, 60;
+  auto measured = measured_of(all, correction_parameters(), 0.02, 3);
+  measured.frequency_hz(0) = 0.0;
+  expect_slopes_equal_differences(all, measured, 0.5 * correction_parameters());
+}
+
 // The same simulation with its modes chosen, ordered and signed in another way.
 Made told_otherwise(const Made& all, const Eigen::MatrixXd& turn) {
   auto other = all;

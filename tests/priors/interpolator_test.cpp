@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -132,6 +133,28 @@ TEST_P(Every, RefusesWhatNoMethodCanUse) {
   refused(bad, "same point");
 }
 
+// Two sensors at one place whose gains differ: two measurements with an error that covers it, not a
+// fault. Both of equal worth: it does not matter which comes first.
+TEST_P(Every, TakesTwoGainsAtOnePlace) {
+  auto twice = made;
+  auto& measured = twice.measured;
+  measured.noise *= 0.02;  // 1 % are then some 50 deviations
+  measured.places.position.row(5) = measured.places.position.row(2);
+  if (method.uses_modes) measured.places.shapes.row(5) = measured.places.shapes.row(2);
+  measured.values.row(5) = 1.01 * measured.values.row(2);
+  const auto field = mode_field(method, measured, twice.simulation);
+  const auto& notes = field->summary().notes;
+  EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+    return note.find("places 3 and 6 are the same point and their gains differ by 1 %") !=
+           std::string::npos;
+  }));
+  measured.values.row(5) *= 1.2;  // no gain of a sensor that works
+  EXPECT_THROW((void)mode_field(method, measured, twice.simulation), InvalidInput);
+  measured.values.row(5) /= 1.2;
+  measured.values(5, 1) *= 1.05;  // one mode alone is no gain
+  EXPECT_THROW((void)mode_field(method, measured, twice.simulation), InvalidInput);
+}
+
 // A row that is missing is not read behind the end of its array.
 TEST_P(Every, RefusesPlacesWhoseRowsDoNotAgree) {
   const auto field = mode_field(method, made.measured, made.simulation);
@@ -194,6 +217,37 @@ TEST(Interpolator, SquaredErrorIsNoneForTheTruthAndOneForNothing) {
   const auto& area = made.simulation.area;
   EXPECT_EQ(squared_error(made.truth, made.truth, area).maxCoeff(), 0.0);
   EXPECT_NEAR(squared_error(0.0 * made.truth, made.truth, area)(1), 1.0, 1e-12);
+}
+
+// Where both stand the shape lies between them, and its band holds both.
+TEST(Interpolator, TwoGainsAtOnePlaceLieWithinTheBandThere) {
+  auto made = plate_case("rings", 1, 4);
+  auto& measured = made.measured;
+  measured.noise *= 1e-3;
+  measured.places.position.row(5) = measured.places.position.row(2);
+  measured.places.shapes.row(5) = measured.places.shapes.row(2);
+  measured.values.row(5) = 1.02 * measured.values.row(2);
+  const auto there = mode_field(interpolator("thin_plate_spline"), measured, made.simulation)
+                         ->at(part(measured.places, {2}));
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const double middle = 0.5 * (measured.values(2, i) + measured.values(5, i));
+    const double apart = 0.01 * std::abs(measured.values(2, i));
+    EXPECT_NEAR(there.mean(0, i), middle, 0.2 * apart) << i;
+    EXPECT_GT(kTwoSided95 * there.deviation(0, i), apart) << i;
+  }
+}
+
+// Without a deviation nobody knows what lies within it: that is not the same as nothing.
+TEST(Interpolator, CoverageOfAnUnknownDeviationIsUnknown) {
+  Field field{Eigen::MatrixXd::Zero(3, 2), Eigen::MatrixXd::Ones(3, 2)};
+  const Eigen::MatrixXd truth = (Eigen::MatrixXd(3, 2) << 1, 1, 2.1, 1, 0, 1).finished();
+  Eigen::Vector3d area(1.0, 2.0, 1.0);
+  EXPECT_NEAR(coverage(field, truth, area)(0), 0.5, 1e-15);
+  field.deviation(1, 1) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NEAR(coverage(field, truth, area)(0), 0.5, 1e-15);
+  EXPECT_TRUE(std::isnan(coverage(field, truth, area)(1)));
+  area(1) = 0.0;  // outside the real body
+  EXPECT_NEAR(coverage(field, truth, area)(1), 1.0, 1e-15);
 }
 
 // Places on mirror lines of the square cannot see the shape that is odd about all of them.

@@ -131,6 +131,24 @@ TEST(NoiseDependence, TellsARidgeFromDraws) {
   EXPECT_GT(noise_dependence(learned(kernel, points, shape), kernel, points, shape, {})(0), 0.1);
 }
 
+// Points in a plane tell nothing of the length across it, which stays where its search began.
+TEST(NoiseDependence, DoesNotCountALengthThatNoPointTells) {
+  const Kernel rough(kernel_family("matern_3_2"), Scales::per_axis);
+  auto points = learning_grid(10, 0.6);
+  points.col(2).setZero();
+  const auto draws = drawn(rough, Eigen::Vector3d(0.15, 0.3, 1.0), points, 1.0, 0.0, 4, 12);
+  const auto change = noise_dependence(learned(rough, points, draws), rough, points, draws, {});
+  EXPECT_LT(change.maxCoeff(), 0.05) << change.transpose();
+}
+
+TEST(NoiseDependence, TellsARidgeOfOneLengthPerAxis) {
+  const Kernel smooth(kernel_family("squared_exponential"), Scales::per_axis);
+  const auto points = learning_grid(10, 0.6);
+  const Eigen::VectorXd shape =
+      (10.0 * points.col(0).array()).sin() * (7.0 * points.col(1).array()).cos();
+  EXPECT_GT(noise_dependence(learned(smooth, points, shape), smooth, points, shape, {})(0), 0.1);
+}
+
 TEST(Learned, SeveralHyperparametersAreLikelierThanOne) {
   const Kernel per_axis(kernel_family("squared_exponential"), Scales::per_axis);
   const auto points = learning_grid(9, 0.6);

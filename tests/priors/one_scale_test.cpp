@@ -67,6 +67,24 @@ TEST(OneScale, AShapeWhoseNodesAreAtAllPlacesIsUnknownAndNotNothing) {
   EXPECT_LT(other.deviation.col(3).maxCoeff(), 0.1);
 }
 
+// The pinned beam cannot move as a whole. What was measured at 0 Hz is there nevertheless, and is
+// not told as 0 +- 0: it is what would have been measured at a very low frequency.
+TEST(OneScale, AShapeAtRestOfAHeldBodyIsThatOfALowFrequency) {
+  const auto simulation = pinned_beam();
+  for (const bool two_sided : {true, false}) {
+    auto rest = measured_at(kPlaces, 4, 1.0);
+    if (!two_sided) rest.sides.reset();
+    auto slow = rest;
+    rest.frequency_hz(0) = 0.0;
+    slow.frequency_hz(0) = 1e-6;
+    const auto at_rest = mode_field(default_method(), rest, simulation)->at(simulation.surface);
+    const auto nearly = mode_field(default_method(), slow, simulation)->at(simulation.surface);
+    EXPECT_GT(at_rest.mean.col(0).norm(), 0.9 * simulation.surface.shapes.col(0).norm());
+    EXPECT_GT(at_rest.deviation.col(0).maxCoeff(), 0.0);
+    EXPECT_LT((at_rest.mean - nearly.mean).norm(), 1e-2 * nearly.mean.norm()) << two_sided;
+  }
+}
+
 // What a sensor measures at its own place is not smoothed away by what is learned elsewhere.
 TEST(OneScale, KeepsTheValuesAtItsPlaces) {
   auto measured = measured_at(kPlaces, 4, 1.0);

@@ -52,6 +52,20 @@ TEST(CoefficientPrior, OfAMotionAsAWholeHasRigidBodyModesOnly) {
   EXPECT_EQ(known.beyond, 0.0);
 }
 
+// A body that is held has no motion as a whole: at 0 Hz it bends as it does just above.
+TEST(CoefficientPrior, AtRestOfAHeldBodyIsThatOfLowFrequencies) {
+  auto simulation = plate_case("rings", 1, 3).simulation;
+  const auto flexible = simulation.mode_count() - 3;
+  simulation.frequency_hz = simulation.frequency_hz.tail(flexible).eval();
+  simulation.surface.shapes = simulation.surface.shapes.rightCols(flexible).eval();
+  const auto basis = modal_basis(simulation);
+  const auto rest = coefficient_prior(basis, 0.0, {});
+  const auto slow = coefficient_prior(basis, 1e-4 * simulation.frequency_hz(0), {});
+  EXPECT_TRUE((rest.variance / rest.variance(0)).isApprox(slow.variance / slow.variance(0), 1e-6));
+  EXPECT_GT(rest.beyond, 0.0);
+  EXPECT_NEAR(rest.beyond, slow.beyond, 1e-6 * slow.beyond);
+}
+
 // Values of a tilting plane, measured at 0 Hz: the field is that plane.
 TEST(DynamicResidualField, OfAMotionAsAWholeIsAPlane) {
   auto made = plate_case("rings", 1, 3);

@@ -144,6 +144,37 @@ TEST_F(Interpolate, LeavesTheKeysOfTheContract) {
   EXPECT_TRUE(fs::exists(folder_.path() / "out" / "mode_field.vtu"));
 }
 
+// The scale between sensors and actuators is not known where nothing is measured either.
+TEST_F(Interpolate, TheWholeSurfaceHasTheDeviationOfTheScale) {
+  auto result = interpolated_with(kTruth + "[interpolation]\nmethods = [\"thin_plate_spline\"]\n");
+  const auto& certain = result.methods.front();
+  const auto count = result.measured.shapes.mode_count();
+  auto model = std::make_shared<IdentifiedModel>();
+  for (Eigen::Index k = 0; k < count; ++k) {
+    model->match.modes.push_back({.alpha = 1.0, .alpha_std = 0.2});
+    result.measured.fitted_mode.push_back(k);
+  }
+  result.measured.identified = model;
+  auto& sides = result.measured.shapes.sides.emplace();
+  for (const auto& channel : result.measured.channels) sides.actuator.push_back(channel[0] == 'a');
+  sides.log_deviation = Eigen::VectorXd::Constant(count, 0.2);
+  sides.noise = result.measured.shapes.noise;
+  const auto one = interpolated_by(*certain.method, result);
+  EXPECT_EQ(one.surface.deviation, field_at(one, result.simulation.surface).deviation);
+  const auto without = one.field->at(result.simulation.surface).deviation;
+  EXPECT_TRUE((one.surface.deviation.array() >= without.array()).all());
+  EXPECT_GT(one.surface.deviation.norm(), 1.01 * without.norm());
+  EXPECT_EQ(one.surface.mean, certain.surface.mean);
+}
+
+// No deviation of a held-out channel is known: how often it holds the value is not 0 %.
+TEST_F(Interpolate, AChannelOfUnknownNoiseIsCoveredUnknownOften) {
+  auto result = interpolated_with(kTruth + "hold_out = [\"s5\"]\n");
+  result.measured.hidden.noise.setConstant(std::nan(""));
+  const auto one = interpolated_by(*result.methods.front().method, result);
+  EXPECT_TRUE(std::isnan(one.hidden_covered(0)));
+}
+
 TEST_F(Interpolate, ATableOfShapesGivesWhatTheTruthGave) {
   const auto virtually = interpolated_with(kTruth);
   const auto& measured = virtually.measured;

@@ -122,6 +122,24 @@ TEST_F(Place, APairThatStaysTakesOneSite) {
   }
 }
 
+TEST_F(Place, ABestLayoutIsToldWithTheChannelsThatStay) {
+  const auto placed = placed_with("modes = 3\nthere = [\"s3\", \"a1\"]");
+  ASSERT_EQ(placed.layouts.size(), 3U);
+  for (const auto* layout : {&placed.layouts[1], &placed.layouts[2]}) {
+    EXPECT_EQ(layout->sensors, std::vector<std::string>{"s3"});
+    EXPECT_EQ(layout->actuators, std::vector<std::string>{"a1"});
+    EXPECT_EQ(layout->markers.size(), 2U + 4U);  // two stay, four are chosen
+  }
+}
+
+TEST_F(Place, AnErrorOfThePositionIsInTheAlphaOfALayout) {
+  const auto alpha = [&](const std::string& error) {
+    (void)placed_with("modes = 3" + error);
+    return left().at("layouts").array().at(0).at("scores").at("pair_alpha").number();
+  };
+  EXPECT_GT(alpha("\nposition_error = \"5 mm\""), 1.05 * alpha(""));
+}
+
 TEST_F(Place, APairOfModesIsLookedAtWhole) {
   const auto placed = placed_with("modes = [4]");
   EXPECT_EQ(placed.wanted.columns.size(), 2U);
@@ -204,6 +222,30 @@ TEST_F(Place, NamesTheModeThatALayoutCannotSee) {
   ASSERT_FALSE(result.layouts[0].blind.empty());
   EXPECT_EQ(result.layouts[0].blind[0], 8);  // x^2 - y^2 vanishes on the diagonals
   EXPECT_TRUE(says(said_.str(), "layout \"diagonal\" cannot see modes 8 (26"));
+}
+
+// The best layouts were along z without a word, beside a study whose channels go in x and y.
+TEST_F(Place, SaysThatChannelsPointElsewhere) {
+  const auto notes_of = [&](const std::string& direction) {
+    std::string text = kPlate;
+    text.replace(
+        text.find("{ name = \"s2\""), 0,
+        "{ name = \"side\", at = [\"300 mm\", \"0 mm\", \"-10 mm\"], direction = \"x\" },\n  ");
+    const auto study =
+        study::parse_study(text + "[placement]\nmodes = [1]\n" + direction, "study.toml");
+    stage::Work work;
+    return steps::best_places(study, stage::solved(study, work), work).notes;
+  };
+  const auto told = [](const std::vector<std::string>& notes) {
+    std::string all;
+    for (const auto& note : notes) all += note + "\n";
+    return all;
+  };
+  const auto open = told(notes_of(""));
+  EXPECT_TRUE(says(open, "the surface's normal, and \"side\" of the study points elsewhere"))
+      << open;
+  EXPECT_TRUE(says(open, "placement.direction"));
+  EXPECT_FALSE(says(told(notes_of("direction = \"z\"\n")), "elsewhere"));
 }
 
 TEST_F(Place, SaysThatTwoSensorsAreInOnePlace) {
