@@ -180,7 +180,8 @@ struct Constants {
   /// Part of the modes' power that may be in doubtful modes; above it a fit is not to be trusted
   /// [1] (chosen, cc38859).
   static constexpr double most_doubtful = 0.5;
-  /// Correlation of what is left at neighbouring lines above which it is no noise [1] (chosen: half).
+  /// Correlation of what is left at neighbouring lines above which it is no noise [1] (chosen:
+  /// half).
   static constexpr double smooth_remainder = 0.5;
   /// Relative deviation of a frequency, a damping ratio or a shape that makes a mode doubtful [1]
   /// (chosen, cc38859).

@@ -19,6 +19,7 @@ struct FitData {
   double noise_freedom = 0.0;  ///< ν, complex degrees of freedom of each variance; 0: exact
   double shared_lines = 1.0;   ///< neighbouring lines that share one estimate of the variance
   bool weights_are_deviations = true;  ///< else they only say what counts how much: 1/|G|
+  double model_error = 0.0;            ///< ε that was asked for, relative to the responses
 
   [[nodiscard]] Eigen::Index line_count() const { return frequency_hz.size(); }
   [[nodiscard]] Eigen::Index response_count() const { return value.cols(); }

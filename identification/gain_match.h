@@ -28,8 +28,9 @@ struct CollocatedPair {
 
 /// Pairs each output with the nearest input within `within_m` that acts along the same line, in its
 /// direction or against it. Distances are seen along that line: a sensor and an actuator on the two
-/// faces of a plate are in one place. The nearest pair comes first, and no channel occurs twice.
-/// Channels without a position are left out. A direction that is not stated is any.
+/// faces of a plate are in one place. The nearest pair comes first, of equally near ones that which
+/// is also nearer along the line, and no channel occurs twice. Channels without a position are left
+/// out. A direction that is not stated is any.
 [[nodiscard]] std::vector<CollocatedPair> collocated_pairs(
     const std::vector<modal::MeasuredChannel>& outputs,
     const std::vector<modal::MeasuredChannel>& inputs, double within_m);

@@ -19,8 +19,8 @@ struct IdentificationOptions {
   /// suspension, these are fitted as modes at 0 Hz, if the data need them.
   bool on_springs = false;
   Eigen::Index most_modes = 80;
-  /// Whether a further mode may lie far beyond the lines. Such modes stand for a suspension, a frame
-  /// and what is above; the data do not determine their residues.
+  /// Whether a further mode may lie far beyond the lines. Such modes stand for a suspension, a
+  /// frame and what is above; the data do not determine their residues.
   bool far_modes = false;
   bool drift = true;  ///< search for drift where no variance is stated
   FitOptions fit = {};
@@ -65,6 +65,13 @@ struct Identified {
 /// @throws as modal_fit
 [[nodiscard]] ModalFit refitted(const FitData& data, const ModalFit& fit,
                                 const FitOptions& options = {});
+
+/// Fits the delay together with the modes of a fit with another delay taken out. The result is kept
+/// if it lowers the cost by more than five deviations, where the model's own error counts in the
+/// noise level. Else the delay stays and only takes the deviation of the free fit.
+/// @param options  with `delay`
+/// @throws as modal_fit
+void free_delay(const FitData& data, const FitOptions& options, ModalFit& fit);
 
 /// Puts the modes and the residual of `from` into `into`, whose deviations stay; both have the same
 /// modes. Shapes get the sign that they had in `into`. Complex shapes stay.

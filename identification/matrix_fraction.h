@@ -30,7 +30,7 @@ struct MatrixFraction {
   PolynomialBasis denominator_basis, numerator_basis;
   std::vector<Eigen::MatrixXd> denominator;  ///< d, each p×p
   std::vector<Eigen::MatrixXd> numerator;    ///< degree + 1, each p×q
-  double cost = 0.0;          ///< Σ |w (G − D⁻¹N)|²: the output error, not the equation error
+  double cost = 0.0;  ///< Σ |w (G − D⁻¹N)|²: the output error, not the equation error
   std::vector<double> costs;  ///< after each iteration, both algorithms
 };
 
@@ -44,7 +44,8 @@ struct MatrixFractionOptions {
 
 /// Sanathanan and Koerner (1963): the D of the last iteration divides the equation error. The
 /// iterate with the lowest output error is kept; it may not be the last. Then Levenberg-Marquardt
-/// lowers the output error. Cost: per iteration 2 K p q (p² d + p n)².
+/// lowers the output error. The equations take values that were not measured from a vector fit; the
+/// output error does without them. Cost: per iteration 2 K p q (p² d + p n)².
 /// @throws InvalidInput      fewer measured numbers than coefficients, more than 4000 coefficients
 ///                           of D, degree < 1
 /// @throws NumericalFailure  no iterate has a finite error
@@ -62,7 +63,7 @@ struct ThesisOptions {
   Eigen::Index modes = 0;        ///< number of flexible modes, n; must be given
   Eigen::Index rigid_count = 0;  ///< modes at 0 Hz: the two poles nearest to 0 of each move there
   bool residual = true;          ///< a constant for the modes above the band
-  Eigen::Index degree = 0;       ///< of the fraction; 0: ⌈2 (n + rigid_count) / p⌉
+  Eigen::Index degree = 0;       ///< of the fraction; 0: ⌈2 (n + rigid_count) / p⌉, measured p
   int sanathanan_koerner = 30;
   int levenberg_marquardt = 10;
   int modal_iterations = 10;
@@ -71,10 +72,10 @@ struct ThesisOptions {
 
 /// Steps 2 to 5: a fraction, its poles (turned into the left half plane), and residues of (4.8) by
 /// linear least squares at these poles. The singular vectors cut each residue to rank one (5.1). Of
-/// more than n resonances, those worth most are kept. The least degree suffices only if no
-/// combination of the outputs sees more modes than the others do. Symmetric layouts break this:
-/// four corners of a table see its modes in four separate classes, and the largest class needs a
-/// degree of twice its size.
+/// more than n resonances, those worth most are kept. Channels of which nothing was measured take
+/// no part. The least degree suffices only if no combination of the outputs sees more modes than
+/// the others do. Symmetric layouts break this: four corners of a table see its modes in four
+/// separate classes, and the largest class needs a degree of twice its size.
 /// @throws InvalidInput      n < 1 without rigid-body modes, fewer measured numbers than parameters
 /// @throws NumericalFailure  as matrix_fraction; no pole oscillates
 [[nodiscard]] Start thesis_start(const FitData& data, const ThesisOptions& options);

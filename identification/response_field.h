@@ -42,8 +42,9 @@ struct FieldSimulation {
   double highest_hz = 0.0;  ///< of the lines of the fit; modes above 1.05 of it are residual
 };
 
-/// Fitted residual over that of the simulation's modes above the band; 0 if these do not explain
-/// three tenths of it.
+/// Fitted residual over that of the simulation's modes above the band, where responses were
+/// measured: a residual of 0 is that of a response that was not. 0 if these do not explain three
+/// tenths of it.
 [[nodiscard]] double residual_factor(const GainMatch& match, const FieldSimulation& simulation);
 
 /// Standard deviation of the gain of a sensor that is in no pair, relative to that of the sensors

@@ -14,7 +14,8 @@ namespace chladni::identification {
 enum class Trust {
   to_noise,    ///< the residual is the stated noise
   good,        ///< the residual is within the noise and the allowed model error, or within what
-               ///< variances of an unknown number of averages may leave
+               ///< variances of an unknown number of averages may leave; where the weights are no
+               ///< deviations: it is within that error, or neighbouring lines do not share it
   systematic,  ///< the residual is larger; the deviations contain the model error
   none,        ///< the modes are not those of the data: `reasons` say why
 };

@@ -12,7 +12,7 @@
 namespace chladni::modal {
 namespace {
 
-constexpr double kForbidden = 1e6;
+constexpr double kOrder = 1e-9;  // cost of a change of order, by its square
 
 struct Group {
   Eigen::Index first = 0, size = 1;
@@ -126,19 +126,28 @@ std::vector<Eigen::Index> assigned_columns(const Eigen::MatrixXd& cost) {
   return result;
 }
 
-Eigen::MatrixXd costs(const Modes& a, const Modes& b, const Eigen::MatrixXd& alike, double weight) {
+// The cost of a pair that is never made.
+constexpr double kNever = std::numeric_limits<double>::max();
+
+// Costs below `alone` of the pairs that may be made. The frequencies' part fills what the shapes
+// leave up to there: it starts with the slope of ln², and no distance forbids a pair.
+Eigen::MatrixXd costs(const Modes& a, const Modes& b, const Eigen::MatrixXd& alike,
+                      const PairingOptions& options, double alone) {
   Eigen::MatrixXd cost(a.mode_count(), b.mode_count());
   for (Eigen::Index i = 0; i < cost.rows(); ++i) {
     for (Eigen::Index j = 0; j < cost.cols(); ++j) {
       const bool rigid = i < a.rigid_count;
-      // Equal costs (repeated modes) keep the order: the last term is convex in i − j.
-      cost(i, j) = 1.0 - alike(i, j) + 1e-9 * std::pow(static_cast<double>(i - j), 2);
-      if (rigid != (j < b.rigid_count)) {
-        cost(i, j) = kForbidden;
-      } else if (!rigid) {
-        const double ratio = std::log(b.frequency_hz(j) / a.frequency_hz(i));
-        cost(i, j) += weight * ratio * ratio;
+      if (rigid != (j < b.rigid_count) || alike(i, j) < options.least_mac) {
+        cost(i, j) = kNever;
+        continue;
       }
+      // Equal costs (repeated modes) keep the order: the last term is convex in i − j.
+      cost(i, j) = 1.0 - alike(i, j) + kOrder * std::pow(static_cast<double>(i - j), 2);
+      if (rigid) continue;
+      const double ratio = std::log(b.frequency_hz(j) / a.frequency_hz(i));
+      const double room = alone - cost(i, j);
+      const double far = options.frequency_weight * ratio * ratio;
+      cost(i, j) += room / (1.0 + room / far);  // 0 where they are equal
     }
   }
   return cost;
@@ -178,28 +187,20 @@ std::vector<std::pair<Eigen::Index, Eigen::Index>> assigned(const Eigen::MatrixX
 
 Pairing pairing(const Modes& a, const Modes& b, const PairingOptions& options) {
   const Eigen::MatrixXd alike = modal::alike(a, b, options.repeated_gap);
-  const auto cost = costs(a, b, alike, options.frequency_weight);
-  const bool wide = cost.rows() <= cost.cols();
-  const auto partner = assigned_columns(wide ? cost : Eigen::MatrixXd(cost.transpose()));
+  const auto most = static_cast<double>(std::max(a.mode_count(), b.mode_count()));
+  const double alone = 1.0 - options.least_mac + 2.0 * kOrder * most * most;
   Pairing result;
-  for (std::size_t k = 0; k < partner.size(); ++k) {
-    const auto i = wide ? static_cast<Eigen::Index>(k) : partner[k];
-    const auto j = wide ? partner[k] : static_cast<Eigen::Index>(k);
-    if (cost(i, j) >= kForbidden || alike(i, j) < options.least_mac) continue;
-    result.pairs.push_back({.a = i,
-                            .b = j,
-                            .mac = alike(i, j),
-                            .frequency_change = i < a.rigid_count
-                                                    ? 0.0
-                                                    : b.frequency_hz(j) / a.frequency_hz(i) - 1.0});
-  }
-  std::sort(result.pairs.begin(), result.pairs.end(),
-            [](const ModePair& p, const ModePair& q) { return p.a < q.a; });
   std::vector<Eigen::Index> taken_a;
   std::vector<Eigen::Index> taken_b;
-  for (const auto& pair : result.pairs) {
-    taken_a.push_back(pair.a);
-    taken_b.push_back(pair.b);
+  for (const auto& [i, j] : assigned(costs(a, b, alike, options, alone), alone)) {
+    const bool rigid = i < a.rigid_count;
+    result.pairs.push_back(
+        {.a = i,
+         .b = j,
+         .mac = alike(i, j),
+         .frequency_change = rigid ? 0.0 : b.frequency_hz(j) / a.frequency_hz(i) - 1.0});
+    taken_a.push_back(i);
+    taken_b.push_back(j);
   }
   result.alone_a = without(a.mode_count(), taken_a);
   result.alone_b = without(b.mode_count(), taken_b);

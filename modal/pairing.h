@@ -34,10 +34,14 @@ struct Pairing {
 [[nodiscard]] Eigen::MatrixXd alike(const Modes& a, const Modes& b, double repeated_gap);
 
 /// The pairing of least total cost (Hungarian method, Kuhn 1955; Munkres 1957). Each mode has at
-/// most one partner; rigid-body modes pair only with rigid-body modes. Both sets have the same
-/// places in the same order. Cost: cubic in the modes, milliseconds for a hundred.
+/// most one partner; rigid-body modes pair only with rigid-body modes. A mode without a partner
+/// costs as much as a pair of the least MAC, so modes that nothing is like change no other pair.
+/// Pairs far apart in frequency cost less than that too: they are made where no nearer one is. Both
+/// sets have the same places in the same order. Cost: cubic in the modes, milliseconds for a
+/// hundred.
 /// @throws InvalidInput  the number of places differs, or a shape is zero or not finite
 [[nodiscard]] Pairing pairing(const Modes& a, const Modes& b, const PairingOptions& options = {});
+
 /// Pairs rows and columns, each in at most one pair, with least total cost. A row or column without
 /// a partner costs nothing; a pair saves `alone` less its cost. So a pair that costs `alone` or
 /// more is never made and does not block others (Hungarian method). Ascending in the rows.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "identification/control/scaled_model.h"
 
@@ -13,6 +14,22 @@ namespace {
 double earliest_delay(const ModalFit& fit) {
   const auto& own = fit.channel_delay_s;
   return fit.delay_s + (own.size() > 0 ? own.minCoeff() : 0.0);
+}
+
+// The velocity that a force gives accelerometers at once, C B, relative to what single states add
+// to it. It is 0 of real shapes, and of complex ones if all modes of a structure are there.
+double step_of_velocity(const ModalFit& fit, const std::vector<modal::MeasuredChannel>& outputs) {
+  if (!fit.complex) return 0.0;
+  const auto space = state_space(fit.model, *fit.complex);
+  double step = 0.0;
+  double parts = 0.0;
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (outputs[i].kind != modal::FrfKind::accelerance) continue;
+    const auto row = space.c.row(static_cast<Eigen::Index>(i));
+    step += (row * space.b).squaredNorm();
+    parts += (row.cwiseAbs2() * space.b.cwiseAbs2()).sum();
+  }
+  return parts > 0.0 ? std::sqrt(step / parts) : 0.0;
 }
 
 }  // namespace
@@ -52,6 +69,12 @@ std::vector<std::string> left_out_of_control_model(
     notes.emplace_back(
         "sensors of velocity or acceleration are without the flexibility of the modes above the "
         "band: its derivative is in no state space");
+  }
+  constexpr double kRounding = 1e-9;
+  if (step_of_velocity(fit, outputs) > kRounding) {
+    notes.emplace_back(
+        "sensors of acceleration are without the part in which the complex shapes let a force "
+        "change a velocity at once: its derivative is in no state space");
   }
   return notes;
 }

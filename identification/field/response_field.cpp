@@ -88,13 +88,23 @@ Eigen::MatrixXd flexibility_above(const FieldSimulation& simulation,
   return sum;
 }
 
+// The simulation's residual at the sensors; 0, as the fitted one, where a response was not
+// measured.
+Eigen::MatrixXd measured_flexibility(const GainMatch& match, const FieldSimulation& simulation) {
+  return (match.residual.array() != 0.0)
+      .select(flexibility_above(simulation, simulation.channels.outputs), 0.0);
+}
+
 // Root mean square over the sensors, per actuator, of what the simulation's modes above the band
-// leave of the fitted residual.
+// leave of the fitted residual. Without a measured response it is that of all.
 Eigen::RowVectorXd unexplained_residual(const GainMatch& match, const FieldSimulation& simulation) {
   const Eigen::MatrixXd left =
-      match.residual - residual_factor(match, simulation) *
-                           flexibility_above(simulation, simulation.channels.outputs);
-  return left.colwise().norm() / std::sqrt(static_cast<double>(left.rows()));
+      match.residual - residual_factor(match, simulation) * measured_flexibility(match, simulation);
+  const Eigen::ArrayXXd told = (match.residual.array() != 0.0).cast<double>();
+  const double all = left.norm() / std::sqrt(std::max(1.0, told.sum()));
+  const Eigen::RowVectorXd count = told.colwise().sum();
+  return (count.array() > 0.0)
+      .select(left.colwise().norm().cwiseQuotient(count.cwiseMax(1.0).cwiseSqrt()), all);
 }
 
 // Root mean square of each mode's shape at its channels.
@@ -231,7 +241,7 @@ double gain_deviation(const ChannelGains& gains) {
 
 double residual_factor(const GainMatch& match, const FieldSimulation& simulation) {
   const auto& fitted = match.residual;
-  const auto at_sensors = flexibility_above(simulation, simulation.channels.outputs);
+  const auto at_sensors = measured_flexibility(match, simulation);
   const double square = at_sensors.squaredNorm();
   const double factor = square > 0.0 ? at_sensors.cwiseProduct(fitted).sum() / square : 0.0;
   const double left = (fitted - factor * at_sensors).squaredNorm();

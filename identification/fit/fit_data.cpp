@@ -272,10 +272,7 @@ FitData fit_data(const modal::FrfSet& measured, const FitDataOptions& options) {
                                                 " lines above 0 Hz in the band, expected " +
                                                 fmt::to_string(kFewestLines) + " or more");
   const double largest = largest_magnitude(set);
-  FitData data;
-  data.outputs = set.output_count();
-  data.inputs = set.input_count();
-  data.frequency_hz = set.frequency_hz;
+  FitData data{set.output_count(), set.input_count(), set.frequency_hz, {}, {}};
   data.value.setZero(set.line_count(), data.outputs * data.inputs);
   data.weight.setZero(set.line_count(), data.outputs * data.inputs);
   data.noise_stated = options.weighting == Weighting::variance && has_variances(set);
@@ -284,6 +281,7 @@ FitData fit_data(const modal::FrfSet& measured, const FitDataOptions& options) {
       data.noise_stated && options.model_error == 0.0 && (unstated || set.averages > kLeastFreedom);
   data.freedom_known = !data.noise_known || !unstated;
   data.weights_are_deviations = options.weighting == Weighting::variance;
+  data.model_error = options.model_error;
   for (Eigen::Index j = 0; j < data.inputs; ++j) {
     for (Eigen::Index i = 0; i < data.outputs; ++i) {
       const auto one = response_of(set, i, j);

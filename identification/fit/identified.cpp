@@ -41,20 +41,6 @@ Eigen::VectorXd delays_of_real_modes(const FitData& data, const Start& start,
   return response_delays(modal_fit(data, start, real));
 }
 
-// Fits the delay together with the complex modes. That fit is kept if it lowers the cost by more
-// than five deviations, where the model's own error counts in the noise level. Else the old delay
-// stays and only takes the deviation of the free fit.
-void free_delay(const FitData& data, const FitOptions& options, ModalFit& fit) {
-  auto free = modal_fit(data, start_of(fit), options);
-  if (fit.cost - free.cost >
-      0.5 * Constants::no_chance * Constants::no_chance * noise_level(fit, data)) {
-    fit = std::move(free);
-  } else {
-    fit.delay_std_s = free.delay_std_s;
-    fit.channel_delay_std_s = free.channel_delay_std_s;
-  }
-}
-
 Identified from_start(const FitData& data, const Start& start,
                       const IdentificationOptions& options) {
   Identified result;
@@ -225,6 +211,17 @@ ModalFit refitted(const FitData& data, const ModalFit& fit, const FitOptions& op
   auto result = modal_fit(undelayed(data, delays), start_at(fit.model), options);
   put_back(delays, options.delay_of, result);
   return result;
+}
+
+void free_delay(const FitData& data, const FitOptions& options, ModalFit& fit) {
+  auto free = modal_fit(data, start_of(fit), options);
+  if (fit.cost - free.cost >
+      0.5 * Constants::no_chance * Constants::no_chance * noise_level(fit, data)) {
+    fit = std::move(free);
+  } else {
+    fit.delay_std_s = free.delay_std_s;
+    fit.channel_delay_std_s = free.channel_delay_std_s;
+  }
 }
 
 void take_values(const ModalFit& from, ModalFit& into) {

@@ -13,6 +13,7 @@
 #include "identification/likelihood/block_fractions.h"
 #include "identification/likelihood/fit_uncertainty.h"
 #include "identification/likelihood/levenberg.h"
+#include "identification/poles/completion.h"
 #include "identification/poles/residue_problem.h"
 
 namespace chladni::identification {
@@ -93,9 +94,11 @@ struct Sides {
   Eigen::VectorXd sigma;
 };
 
-Sides sides(const Eigen::MatrixXd& residue, Eigen::Index count) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(finite(residue, "residue"),
-                                              Eigen::ComputeThinU | Eigen::ComputeThinV);
+Sides sides(const Eigen::MatrixXd& residue, const Target& target, Eigen::Index count) {
+  const auto measured = measured_responses(target.squared, target.outputs);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(
+      finite(completed(residue, measured, count), "residue"),
+      Eigen::ComputeThinU | Eigen::ComputeThinV);
   const auto size = std::min(count, svd.singularValues().size());
   const Eigen::VectorXd root = svd.singularValues().head(size).cwiseSqrt();
   return {svd.matrixU().leftCols(size) * root.asDiagonal(),
@@ -121,11 +124,11 @@ std::vector<Block> blocks_of(const std::vector<Complex>& poles,
   const auto size = static_cast<Eigen::Index>(poles.size());
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(target.outputs, target.inputs);
   for (const auto& residue : residues) sum += residue;
-  const auto group = sides(sum, size);
+  const auto group = sides(sum, target, size);
   if (size > 1 && (group.sigma.size() < size || !all_stand_out(group, poles.front(), target))) {
     std::vector<Block> single;
     for (std::size_t r = 0; r < poles.size(); ++r) {
-      const auto own = sides(residues[r], 1);
+      const auto own = sides(residues[r], target, 1);
       single.push_back(single_mode(poles[r], own.left.col(0), own.right.row(0)));
     }
     return single;
@@ -143,8 +146,8 @@ std::vector<Block> blocks_of(const std::vector<Complex>& poles,
            .damping = damping.asDiagonal()}};
 }
 
-Block rigid_block(const Eigen::MatrixXd& residue, Eigen::Index count) {
-  const auto all = sides(residue, count);
+Block rigid_block(const Eigen::MatrixXd& residue, const Target& target, Eigen::Index count) {
+  const auto all = sides(residue, target, count);
   return {.left = all.left,
           .right = all.right,
           .stiffness = Eigen::MatrixXd::Zero(count, count),
@@ -188,8 +191,9 @@ StartResidues start_residues(const FitData& data, const Start& start, Damping da
 }
 
 // Makes a complex mode of the largest singular direction of X.
-Block strongest_mode(Complex pole, const Eigen::MatrixXcd& residue) {
-  const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(finite(residue, "residue"),
+Block strongest_mode(Complex pole, const Eigen::MatrixXcd& residue, const Target& target) {
+  const auto measured = measured_responses(target.squared, target.outputs);
+  const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(finite(completed(residue, measured, 1), "residue"),
                                                Eigen::ComputeThinU | Eigen::ComputeThinV);
   return general_mode(pole, svd.singularValues()(0) * svd.matrixU().col(0),
                       svd.matrixV().col(0).adjoint());
@@ -202,13 +206,13 @@ BlockModel start_model(const FitData& data, const Start& start, const Target& ta
       start.constant.size() > 0 ? start.constant : Eigen::MatrixXd::Zero(data.outputs, data.inputs);
   const auto residues = start_residues(data, start, damping, scale);
   if (start.rigid_count > 0) {
-    model.blocks.push_back(rigid_block(residues.rigid, start.rigid_count));
+    model.blocks.push_back(rigid_block(residues.rigid, target, start.rigid_count));
   }
   for (const auto& group : neighbours(start.pole)) {
     if (damping == Damping::general && (group.size() == 1 || !start.general.empty())) {
       for (const auto i : group) {
-        model.blocks.push_back(
-            strongest_mode(start.pole(i) / scale, residues.general[static_cast<std::size_t>(i)]));
+        model.blocks.push_back(strongest_mode(
+            start.pole(i) / scale, residues.general[static_cast<std::size_t>(i)], target));
       }
       continue;
     }

@@ -13,7 +13,9 @@
 #include "base/error.h"
 #include "base/finite.h"
 #include "identification/constants.h"
+#include "identification/fraction/filled.h"
 #include "identification/fraction/fraction_equations.h"
+#include "identification/poles/completion.h"
 #include "identification/poles/residue_problem.h"
 
 namespace chladni::identification {
@@ -108,13 +110,15 @@ MatrixFraction by_sanathanan_koerner(const FitData& data, const MatrixFractionOp
   MatrixFraction best;
   best.cost = std::numeric_limits<double>::infinity();
   std::vector<double> costs;
+  // An equation holds all outputs of one input: a zero would count as a response.
+  const Eigen::MatrixXcd known = filled(data);
   for (int iteration = 0; iteration < options.sanathanan_koerner; ++iteration) {
     tell(options.progress, "Sanathanan-Koerner",
          static_cast<double>(iteration) / options.sanathanan_koerner);
     lay_bases(now, data, divided, options);
     const Eigen::MatrixXcd d_basis = values(now.denominator_basis, x);
     const Eigen::MatrixXcd n_basis = values(now.numerator_basis, x);
-    const FractionEquations equations(data, divided, data.value, d_basis, n_basis);
+    const FractionEquations equations(data, divided, known, d_basis, n_basis);
     Eigen::VectorXd coefficients = Eigen::VectorXd::Zero(equations.count());
     for (int pass = 0; pass < 2; ++pass) {  // the second pass removes rounding errors of squaring
       coefficients += equations.step(equations.gradient(equations.errors(coefficients, true)), 0.0);
@@ -204,10 +208,33 @@ std::vector<Eigen::Index> worthiest(const Eigen::VectorXd& significance, Eigen::
   return order;
 }
 
-Eigen::MatrixXd rank_one(const Eigen::MatrixXd& residue) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(finite(residue, "residue"),
+Eigen::MatrixXd rank_one(const Eigen::MatrixXd& residue, const MeasuredResponses& measured) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(finite(completed(residue, measured, 1), "residue"),
                                               Eigen::ComputeThinU | Eigen::ComputeThinV);
   return svd.singularValues()(0) * svd.matrixU().col(0) * svd.matrixV().col(0).transpose();
+}
+
+// The data without channels of which nothing was measured: no equation tells their rows of D.
+FitData of_measured_channels(const FitData& data, const MeasuredResponses& measured) {
+  const auto chosen = [](const auto& any) {
+    std::vector<Eigen::Index> list;
+    for (Eigen::Index c = 0; c < any.size(); ++c) {
+      if (any(c)) list.push_back(c);
+    }
+    return list;
+  };
+  const auto outputs = chosen(measured.rowwise().any().eval());
+  const auto inputs = chosen(measured.colwise().any().eval());
+  std::vector<Eigen::Index> responses;
+  for (const auto j : inputs) {
+    for (const auto i : outputs) responses.push_back(i + data.outputs * j);
+  }
+  FitData part = data;
+  part.outputs = std::ssize(outputs);
+  part.inputs = std::ssize(inputs);
+  part.value = data.value(Eigen::all, responses);
+  part.weight = data.weight(Eigen::all, responses);
+  return part;
 }
 
 }  // namespace
@@ -266,10 +293,13 @@ Start thesis_start(const FitData& data, const ThesisOptions& options) {
   require(options.modes + options.rigid_count > 0 && options.modes >= 0 && options.rigid_count >= 0,
           "thesis fit: " + fmt::to_string(options.modes) + " modes and " +
               fmt::to_string(options.rigid_count) + " rigid-body modes; the number must be given");
-  const auto least = (2 * (options.modes + options.rigid_count) + data.outputs - 1) / data.outputs;
+  const auto measured = measured_responses(data.weight, data.outputs);
+  require(measured.any(), "thesis fit: nothing was measured");
+  const auto part = of_measured_channels(data, measured);
+  const auto least = (2 * (options.modes + options.rigid_count) + part.outputs - 1) / part.outputs;
   const auto degree = options.degree > 0 ? options.degree : least;
   const auto fraction = matrix_fraction(
-      data, {degree, options.residual ? degree : std::max<Eigen::Index>(degree - 2, 0),
+      part, {degree, options.residual ? degree : std::max<Eigen::Index>(degree - 2, 0),
              options.sanathanan_koerner, options.levenberg_marquardt, options.progress});
   const Eigen::VectorXcd found = resonances(fraction, options.rigid_count);
   if (found.size() == 0 && options.modes > 0) {
@@ -282,7 +312,7 @@ Start thesis_start(const FitData& data, const ThesisOptions& options) {
   const auto chosen = worthiest(problem.residues().significance, options.modes);
   start.pole = found(chosen);
   for (const auto& residue : problem.residues(chosen).of_pole) {
-    start.residue.push_back(rank_one(residue));
+    start.residue.push_back(rank_one(residue, measured));
   }
   return start;
 }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include "base/error.h"
 #include "identification/gains/imaginary_rows.h"
@@ -312,20 +313,25 @@ std::vector<CollocatedPair> collocated_pairs(const std::vector<modal::MeasuredCh
                                              const std::vector<modal::MeasuredChannel>& inputs,
                                              double within_m) {
   struct Near {
-    double distance;
+    double distance;  // seen along the line
+    double apart;     // also along it
     Eigen::Index output, input;
   };
+  constexpr double kSame = 1e-6;  // [m]: rounding of places decides no pair
   std::vector<Near> near;
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     for (std::size_t j = 0; j < inputs.size(); ++j) {
       if (!outputs[i].position || !inputs[j].position) continue;
       const double distance = distance_on_line(outputs[i], inputs[j]);
       if (distance <= within_m) {
-        near.push_back({distance, static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)});
+        near.push_back({kSame * std::round(distance / kSame),
+                        (*outputs[i].position - *inputs[j].position).norm(),
+                        static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)});
       }
     }
   }
-  std::ranges::stable_sort(near, {}, &Near::distance);
+  std::ranges::stable_sort(near, {},
+                           [](const Near& one) { return std::pair(one.distance, one.apart); });
   std::set<Eigen::Index> left;
   std::set<Eigen::Index> right;
   std::vector<CollocatedPair> pairs;

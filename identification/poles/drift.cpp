@@ -51,6 +51,11 @@ void add_shifts(const FitData& data, const ModalFit& fit, Drift& drift) {
   }
 }
 
+// Responses of which something was measured.
+double told_count(const Drift& drift) {
+  return std::max(1.0, static_cast<double>(drift.deviation.array().isFinite().count()));
+}
+
 // The shifts about their mean; uncertain ones are shrunk.
 Eigen::VectorXd settled(const Drift& drift) {
   const Eigen::ArrayXd information = drift.deviation.array().square().inverse();
@@ -58,7 +63,7 @@ Eigen::VectorXd settled(const Drift& drift) {
   const Eigen::ArrayXd about =
       (drift.deviation.array().isFinite()).select(drift.shift.array() - mean, 0.0);
   const double square = (about.square() * information).sum() / information.sum();
-  const double own = 1.0 / (information.sum() / static_cast<double>(information.size()));
+  const double own = told_count(drift) / information.sum();
   const double scatter = std::max(0.0, square - own);
   return about * scatter /
          (scatter + drift.deviation.array().square()).max(std::numeric_limits<double>::min());
@@ -103,8 +108,8 @@ DriftFit drift_fit(const FitData& data, const Start& start, const FitOptions& op
     fit = modal_fit(freed, start_at(fit.model), few);
   }
   result.change = change_by(data, fit, result.shift);
-  result.excess = std::sqrt(result.shift.cwiseQuotient(result.deviation).squaredNorm() /
-                            static_cast<double>(n));
+  result.excess =
+      std::sqrt(result.shift.cwiseQuotient(result.deviation).squaredNorm() / told_count(result));
   return {std::move(result), std::move(fit)};
 }
 

@@ -14,8 +14,8 @@ namespace chladni::identification {
 struct Drift {
   Eigen::VectorXd shift;      ///< pq, relative; their mean, weighted by information, is 0
   Eigen::VectorXd deviation;  ///< pq: of each shift
-  double change = 0.0;  ///< relative change of the responses by the shifts: rms of all
-  double excess = 0.0;  ///< rms of the shifts over their deviations
+  double change = 0.0;        ///< relative change of the responses by the shifts: rms of all
+  double excess = 0.0;        ///< rms of the shifts over their deviations, of measured responses
 
   /// Whether fits would take the drift for modes: it changes the responses by more than 5 %, and
   /// the shifts are above five deviations.

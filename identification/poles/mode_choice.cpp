@@ -7,6 +7,7 @@
 
 #include "base/finite.h"
 #include "identification/constants.h"
+#include "identification/poles/completion.h"
 
 namespace chladni::identification {
 namespace {
@@ -137,8 +138,8 @@ namespace {
 
 // |σ₂ u₂ v₂ᴴ|² of a residue, as a column; empty if it is small beside the first direction.
 template <typename Matrix>
-Eigen::VectorXd second_direction(const Matrix& residue) {
-  const Eigen::JacobiSVD<Matrix> svd(finite(residue, "residue"),
+Eigen::VectorXd second_direction(const Matrix& residue, const MeasuredResponses& measured) {
+  const Eigen::JacobiSVD<Matrix> svd(finite(completed(residue, measured, 1), "residue"),
                                      Eigen::ComputeThinU | Eigen::ComputeThinV);
   const auto& sigma = svd.singularValues();
   if (sigma.size() < 2 || sigma(1) < Constants::second_direction * sigma(0)) return {};
@@ -152,14 +153,15 @@ std::vector<Eigen::Index> repeated(const FitData& data, const Eigen::VectorXcd& 
                                    const Residues& residues) {
   const double least = least_significance(data, residues.cost);
   const Eigen::ArrayXcd s = std::complex<double>(0.0, 2.0 * pi) * data.frequency_hz.array();
+  const auto measured = measured_responses(data.weight, data.outputs);
   std::vector<Eigen::Index> list;
   for (Eigen::Index m = 0; m < poles.size(); ++m) {
     const double width = -2.0 * poles(m).real();
     if (((poles.array() - poles(m)).abs() < width).count() > 1) continue;
     const auto at = static_cast<std::size_t>(m);
     const bool general = !residues.general.empty();
-    const Eigen::VectorXd part =
-        general ? second_direction(residues.general[at]) : second_direction(residues.of_pole[at]);
+    const Eigen::VectorXd part = general ? second_direction(residues.general[at], measured)
+                                         : second_direction(residues.of_pole[at], measured);
     if (part.size() == 0) continue;
     const Eigen::ArrayXcd fraction =
         general ? Eigen::ArrayXcd(s - poles(m)) : s * s + width * s + std::norm(poles(m));
@@ -171,11 +173,15 @@ std::vector<Eigen::Index> repeated(const FitData& data, const Eigen::VectorXcd& 
 }
 
 Eigen::Index rigid_rank(const FitData& data, const Residues& residues, Eigen::Index most) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(finite(residues.rigid, "1/s^2 term"),
-                                              Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const auto measured = measured_responses(data.weight, data.outputs);
   const double least = least_significance(data, residues.cost);
+  const auto highest = std::min({most, data.outputs, data.inputs});
   Eigen::Index rank = 0;
-  for (; rank < std::min(most, svd.singularValues().size()); ++rank) {
+  for (; rank < highest; ++rank) {
+    // What the directions before explain of responses that were not measured is no further one.
+    const Eigen::MatrixXd term = completed(residues.rigid, measured, rank);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(finite(term, "1/s^2 term"),
+                                                Eigen::ComputeThinU | Eigen::ComputeThinV);
     const Eigen::MatrixXd part =
         svd.singularValues()(rank) * svd.matrixU().col(rank) * svd.matrixV().col(rank).transpose();
     if (part.cwiseAbs2().cwiseProduct(residues.rigid_worth).sum() < least) break;

@@ -36,14 +36,20 @@ std::string doubt(const ModalFit& fit, Eigen::Index m) {
   return shaped ? "" : "its shape is not known";
 }
 
+// Whether neighbouring lines share what is left: it is no noise.
+bool is_smooth(const ModalFit& fit, const FitData& data) {
+  const Eigen::MatrixXcd fitted = responses(fit, data.frequency_hz);
+  return validation(data, fitted, Eigen::VectorXd(0)).whole.correlation >
+         Constants::smooth_remainder;
+}
+
 // Where no variance is stated, what is left passes for noise. Modes that explain less than a smooth
 // remainder may stand for the same error of the fit as the remainder does.
 bool is_less_than_a_smooth_remainder(double explained, const ModalFit& fit, const FitData& data) {
   if (data.noise_known) return false;
   const Eigen::MatrixXcd fitted = responses(fit, data.frequency_hz);
   const double left = (data.value - fitted).cwiseAbs().cwiseProduct(data.weight).squaredNorm();
-  return explained < left && validation(data, fitted, Eigen::VectorXd(0)).whole.correlation >
-                                 Constants::smooth_remainder;
+  return explained < left && is_smooth(fit, data);
 }
 
 void look_at_modes(const ModalFit& fit, const FitData& data, Judgement& judgement) {
@@ -112,10 +118,18 @@ void look_at_complex_shapes(const Identified& found, const FitData& data,
   }
 }
 
+// Whether more is left than noise and the error that the model may have. Weights that are no
+// deviations tell no noise: there it is what neighbouring lines share.
+bool leaves_more(const ModalFit& fit, const FitData& data, const Judgement& judgement) {
+  if (data.weights_are_deviations) return judgement.level > Constants::good_level;
+  return judgement.relative_error > std::max(data.model_error, Constants::always_off) &&
+         is_smooth(fit, data);
+}
+
 Trust verdict(const ModalFit& fit, const FitData& data, const Judgement& judgement) {
   if (!judgement.reasons.empty()) return Trust::none;
   // Variances of an unknown number of averages leave up to the good level: ν/(ν−1) of three.
-  const bool above = judgement.level > Constants::good_level;
+  const bool above = leaves_more(fit, data, judgement);
   if (!data.noise_known) return above ? Trust::systematic : Trust::good;
   if (fit.excess() <= Constants::no_chance) return Trust::to_noise;
   return data.freedom_known || above ? Trust::systematic : Trust::good;

@@ -136,8 +136,15 @@ identification::Identified found(const study::IdentificationPlan& plan, const st
   // Delays are compensated before the fit (4.1).
   const auto delays = identification::delays_at_start(data, options);
   identification::Identified result;
-  result.fit = identification::thesis_fit(identification::undelayed(data, delays), thesis);
-  if (plan.delay) identification::put_back(delays, options.fit.delay_of, result.fit);
+  const auto undelayed = identification::undelayed(data, delays);
+  result.fit = identification::thesis_fit(undelayed, thesis);
+  if (plan.delay) {
+    auto free = options.fit;
+    free.iterations = plan.modal_iterations;
+    free.damping = result.fit.damping();
+    identification::free_delay(undelayed, free, result.fit);
+    identification::put_back(delays, options.fit.delay_of, result.fit);
+  }
   return result;
 }
 

@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <complex>
+#include <numbers>
 #include <random>
+#include <string>
+#include <vector>
 
 namespace chladni::identification {
 namespace {
@@ -96,6 +101,41 @@ TEST(IdentifiedControlModel, SaysWhatAccelerometersLack) {
   EXPECT_NE(left_out_of_control_model(one.fit, one.outputs).at(0).find("acceleration"),
             std::string::npos);
   EXPECT_EQ(control_model(one.fit, one.match, one.outputs, one.inputs).outputs[1].unit, "m/s^2");
+}
+
+// Complex shapes whose sum is not 0 give an acceleration a part that grows with the frequency; it
+// is all that the state space lacks beside the residual. Shapes that are real but for a phase have
+// none.
+TEST(IdentifiedControlModel, SaysWhatAccelerometersLackOfComplexShapes) {
+  auto one = fitted();
+  one.fit.model.residual.setZero();
+  const std::complex<double> j(0.0, 1.0);
+  const auto with_phases = [&](double phase) {
+    ComplexShapes shapes;
+    shapes.outputs = one.fit.model.output_shapes.cast<std::complex<double>>();
+    shapes.inputs = one.fit.model.input_shapes.cast<std::complex<double>>();
+    for (Eigen::Index m = 2; m < 5; ++m) {
+      shapes.outputs.col(m) *= std::exp(j * phase * static_cast<double>(m));
+    }
+    one.fit.complex = shapes;
+    return left_out_of_control_model(one.fit, one.outputs);
+  };
+  EXPECT_TRUE(with_phases(0.1).empty());
+  for (auto& output : one.outputs) output.kind = modal::FrfKind::accelerance;
+  EXPECT_TRUE(with_phases(0.0).empty());
+  const auto notes = with_phases(0.1);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("complex shapes"), std::string::npos);
+  const auto space = state_space(one.fit.model, *one.fit.complex);
+  const auto model = control_model(one.fit, one.match, one.outputs, one.inputs);
+  for (const double hz : {20.0, 300.0}) {
+    const std::complex<double> s(0.0, 2.0 * std::numbers::pi * hz);
+    const Eigen::MatrixXcd displacement = response(space, hz);
+    modal::ControlModel early = model;
+    early.output_delay.setZero();
+    const Eigen::MatrixXcd lacks = s * s * displacement - response(early, hz);
+    EXPECT_LT((lacks - s * (space.c * space.b)).norm(), 1e-8 * lacks.norm());
+  }
 }
 
 }  // namespace

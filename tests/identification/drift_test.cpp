@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "base/draw.h"
 #include "fit_errors.h"
@@ -95,6 +96,23 @@ TEST(Drift, DoesNotDependOnTheUnits) {
   const auto scaled = drift_fit(other, start, {}).drift;
   EXPECT_LT((scaled.shift - one.shift).norm(), 1e-6 * one.shift.norm());
   EXPECT_NEAR(scaled.change, one.change, 1e-6 * one.change);
+}
+
+// Sensors that were not measured say nothing of a drift, and dilute none.
+TEST(Drift, IsThatOfTheMeasuredResponses) {
+  const auto made = moved_beam(6e-5, 2);
+  FitData wider = made.data;
+  wider.outputs = 8;
+  wider.value.setZero(made.data.line_count(), 24);
+  wider.weight.setZero(made.data.line_count(), 24);
+  std::vector<Eigen::Index> measured;
+  for (Eigen::Index e = 0; e < 15; ++e) measured.push_back(e % 5 + 8 * (e / 5));
+  wider.value(Eigen::all, measured) = made.data.value;
+  wider.weight(Eigen::all, measured) = made.data.weight;
+  const auto own = drift_fit(made.data, start_at(made.truth), {}).drift;
+  const auto found = drift_fit(wider, start_at(made.truth), {}).drift;
+  EXPECT_NEAR(found.excess, own.excess, 0.01 * own.excess);
+  EXPECT_LT((found.shift(measured) - own.shift).norm(), 0.01 * own.shift.norm());
 }
 
 // Each resonance is one mode, where each would be several without.

@@ -5,11 +5,14 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "identification/fraction/fraction_equations.h"
+#include "identification/identified.h"
 #include "modal/mac.h"
 #include "simulators/frf_bounds.h"
 #include "simulators/frf_cases.h"
@@ -20,7 +23,7 @@ namespace {
 
 using std::numbers::pi;
 
-simulators::FrfFaults quiet() {
+simulators::FrfFaults noiseless() {
   simulators::FrfFaults faults;
   faults.noisy = false;
   return faults;
@@ -78,7 +81,7 @@ TEST(PolynomialBasis, IsOrthonormalOnTheLinesAtAnyDegree) {
 }
 
 TEST(MatrixFraction, IsExactOnDataWithoutNoise) {
-  for (const auto& made : {simulators::beam5x3(quiet()), simulators::beam5x5(quiet())}) {
+  for (const auto& made : {simulators::beam5x3(noiseless()), simulators::beam5x5(noiseless())}) {
     const auto data = data_of(made);
     for (const Eigen::Index numerator : {0, 2}) {
       MatrixFractionOptions options;
@@ -100,7 +103,7 @@ TEST(MatrixFraction, OfAPointMassHasItsFourPolesAtZero) {
   simulators::FrfGrid grid;
   grid.outputs = grid.inputs = Eigen::MatrixX3d::Identity(2, 3);
   grid.frequency_hz = Eigen::VectorXd::LinSpaced(100, 1.0, 100.0);
-  auto faults = quiet();
+  auto faults = noiseless();
   faults.relative_noise = 0.0;  // 0 / 0 off the diagonal
   faults.floor_noise = 0.01;
   auto made = simulators::frf_case(model, grid, faults);
@@ -165,7 +168,7 @@ TEST(MatrixFraction, DoesNotDependOnTheUnits) {
 }
 
 TEST(ThesisStart, HasResiduesOfRankOneAtTheTruePoles) {
-  const auto made = simulators::beam5x3(quiet());
+  const auto made = simulators::beam5x3(noiseless());
   const auto start = thesis_start(data_of(made), {.modes = 5});
   ASSERT_EQ(start.pole.size(), 5);
   EXPECT_LT(pole_error(start.pole, true_poles(made.truth)), 1e-9);
@@ -194,9 +197,61 @@ TEST(ThesisFit, FindsTheModesOfTheBeamNearTheBound) {
   }
 }
 
+// The beam without single values, responses or a sensor: all modes are there as before.
+std::vector<simulators::FrfCase> beams_with_gaps() {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  simulators::FrfFaults faults;
+  faults.missing = 0.1;
+  std::vector<simulators::FrfCase> all{simulators::beam5x3(faults), simulators::beam5x3(),
+                                       simulators::beam5x3()};
+  for (auto& line : all[1].measured.value) line(1, 2) = line(3, 0) = line(4, 1) = {nan, nan};
+  for (auto& line : all[2].measured.value) line.row(2).setConstant({nan, nan});
+  return all;
+}
+
+TEST(MatrixFraction, DoesNotTakeGapsForZeros) {
+  for (const auto& made : beams_with_gaps()) {
+    if (made.measured.value[0].row(2).hasNaN()) continue;  // a sensor that was not measured
+    const auto data = fit_data(made.measured);
+    const auto fraction = matrix_fraction(data, {2, 2, 30, 0, {}});
+    EXPECT_LT(fraction.cost, 1.3 * expected_cost(data, 0).mean);
+  }
+}
+
+TEST(ThesisFit, FindsTheModesBesideGaps) {
+  for (const auto& made : beams_with_gaps()) {
+    const auto fit = thesis_fit(fit_data(made.measured), {.modes = 5, .levenberg_marquardt = 2});
+    ASSERT_EQ(fit.model.mode_count(), 5);
+    EXPECT_LT(std::abs(fit.excess()), 4.0);
+    for (Eigen::Index m = 0; m < 5; ++m) {
+      EXPECT_NEAR(fit.model.frequency_hz(m), made.truth.frequency_hz(m),
+                  4.0 * fit.frequency_std_hz(m));
+    }
+  }
+}
+
+// A delay that was taken out before a fit is as uncertain as one that was fitted, and moves where
+// the data tell another.
+TEST(FreeDelay, HasTheDeviationOfTheBound) {
+  for (const double late : {0.0, 2e-5}) {
+    simulators::FrfFaults faults;
+    faults.delay_s = late;
+    const auto made = simulators::beam5x3(faults);
+    const auto data = fit_data(made.measured);
+    auto fit = thesis_fit(data, {.modes = 5, .levenberg_marquardt = 2});
+    EXPECT_EQ(fit.delay_std_s, 0.0);
+    FitOptions options;
+    options.delay = true;
+    free_delay(data, options, fit);
+    const double bound = simulators::cramer_rao(made, {.delay = true}).delay_s;
+    EXPECT_NEAR(fit.delay_std_s, bound, 0.1 * bound);
+    EXPECT_NEAR(fit.delay_s, late, 5.0 * bound);
+  }
+}
+
 // Six modes of the wafer table, three at 0 Hz, seen at its four corners.
 simulators::FrfCase six_modes() {
-  const auto whole = simulators::oat4x13(quiet());
+  const auto whole = simulators::oat4x13(noiseless());
   auto model = whole.truth;
   model.frequency_hz.conservativeResize(6);
   model.damping_ratio.conservativeResize(6);
@@ -206,7 +261,7 @@ simulators::FrfCase six_modes() {
   grid.outputs = Eigen::MatrixX3d::Zero(4, 3);
   grid.inputs = Eigen::MatrixX3d::Ones(5, 3);
   grid.frequency_hz = Eigen::VectorXd::LinSpaced(500, 10.0, 500.0);
-  return simulators::frf_case(model, grid, quiet());
+  return simulators::frf_case(model, grid, noiseless());
 }
 
 TEST(ThesisStart, NeedsAHigherDegreeWhereTheSensorsSeeTheModesInClasses) {

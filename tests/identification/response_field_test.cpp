@@ -244,6 +244,35 @@ TEST(ResponseField, HasTheModesAboveTheBandInItsBand) {
   EXPECT_GT(held(field, places, kBetween), 0.9);
 }
 
+// Responses that were not measured have no residual: the others tell the factor of the
+// simulation's, and what it does not explain.
+TEST(ResponseField, ScalesTheResidualByWhatWasMeasured) {
+  const Eigen::MatrixXd outputs{{1.0, 0.5}, {-0.4, 1.2}, {0.7, -0.9}};
+  const Eigen::MatrixXd inputs{{0.8, -0.3}, {1.1, 0.6}};
+  const FieldSimulation simulation{{Eigen::Vector2d(300.0, 420.0), outputs, inputs}, {}, 200.0};
+  const Eigen::VectorXd flexibility =
+      (2.0 * std::numbers::pi * simulation.channels.frequency_hz).cwiseAbs2().cwiseInverse();
+  ModalFit fit;
+  fit.model.output_shapes.resize(3, 0);
+  fit.model.input_shapes.resize(0, 2);
+  ChannelGains gains;
+  gains.match.shapes.resize(3, 0);
+  gains.match.residual = 1.3 * outputs * flexibility.asDiagonal() * inputs.transpose();
+  const priors::Places places{
+      Points::Zero(1, 3), Points::Zero(1, 3), Eigen::MatrixXd{{1.0, 1.0}}, {}};
+  const priors::Field field{Eigen::MatrixXd(1, 0), Eigen::MatrixXd(1, 0)};
+  const Eigen::RowVectorXd there =
+      1.3 * places.shapes * flexibility.asDiagonal() * inputs.transpose();
+  for (const int gone : {0, 1, 3}) {
+    if (gone > 0) gains.match.residual(1, 0) = 0.0;
+    if (gone > 1) gains.match.residual(0, 0) = gains.match.residual(2, 1) = 0.0;
+    EXPECT_NEAR(residual_factor(gains.match, simulation), 1.3, 1e-12) << gone;
+    const auto found = places_of_interest(fit, gains, {}, simulation, places, field);
+    EXPECT_LT((found.residual - there).norm(), 1e-12 * there.norm()) << gone;
+    EXPECT_LT(found.residual_deviation.norm(), 1e-12 * there.norm()) << gone;
+  }
+}
+
 // The gain of a sensor that no fit saw is as uncertain as those of the pairs differ.
 TEST(ResponseField, HasTheGainOfAnUnseenSensorInItsBand) {
   ChannelGains gains;

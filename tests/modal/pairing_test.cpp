@@ -96,6 +96,58 @@ TEST(Pairing, NeverTakesARigidBodyModeForAFlexibleOne) {
   EXPECT_EQ(found.alone_b, (std::vector<Eigen::Index>{0, 1}));
 }
 
+// One mode of each set is like none of the other. Wherever these lie, they change no other pair.
+TEST(Pairing, KeepsPairsBesideModesThatNothingIsLike) {
+  const auto all = plate_modes();
+  for (const double factor : {1.0, 0.01, 100.0}) {
+    auto one = all;
+    auto other = all;
+    one.shapes = all.shapes.leftCols(6).eval();
+    other.shapes = all.shapes(Eigen::all, std::vector<Eigen::Index>{0, 1, 2, 3, 4, 6}).eval();
+    one.frequency_hz = (Eigen::VectorXd(6) << 0, 0, 100, 200, 200, 300 * factor).finished();
+    other.frequency_hz = (Eigen::VectorXd(6) << 0, 0, 100, 200, 200, 450 / factor).finished();
+    one.damping_ratio = other.damping_ratio = Eigen::VectorXd::Zero(6);
+    const auto found = pairing(one, other);
+    ASSERT_EQ(found.pairs.size(), 5U) << factor;
+    for (const auto& pair : found.pairs) {
+      EXPECT_EQ(pair.a, pair.b);
+      EXPECT_NEAR(pair.mac, 1.0, 1e-13);
+    }
+    EXPECT_EQ(found.alone_a, std::vector<Eigen::Index>{5});
+    EXPECT_EQ(found.alone_b, std::vector<Eigen::Index>{5});
+  }
+}
+
+// Two pairs of a MAC of 0.64 are not worth one of 1; and no distance in frequency forbids a pair.
+TEST(Pairing, KeepsAPairOfOneShape) {
+  Modes one;
+  one.frequency_hz = Eigen::Vector2d(100.0, 110.0);
+  one.damping_ratio = Eigen::VectorXd::Zero(2);
+  one.shapes = Eigen::MatrixXd{{1.0, 0.8}, {0.0, 0.6}, {0.0, 0.0}};
+  auto other = one;
+  other.shapes = Eigen::MatrixXd{{1.0, 0.8}, {0.0, 0.0}, {0.0, 0.6}};
+  for (const double far : {1.0, 20.0}) {
+    other.frequency_hz = far * one.frequency_hz;
+    const auto found = pairing(one, other, {.least_mac = 0.6});
+    ASSERT_EQ(found.pairs.size(), 1U) << far;
+    EXPECT_EQ(found.pairs[0].a, 0);
+    EXPECT_EQ(found.pairs[0].b, 0);
+    EXPECT_EQ(found.pairs[0].mac, 1.0);
+  }
+}
+
+// A pair just above the least MAC, however far apart in frequency, is made where no other is.
+TEST(Pairing, MakesAFarPairOfTheLeastLikeness) {
+  Modes one;
+  one.frequency_hz = Eigen::VectorXd::Constant(1, 100.0);
+  one.damping_ratio = Eigen::VectorXd::Zero(1);
+  one.shapes = Eigen::Vector3d(1.0, 0.0, 0.0);
+  auto other = one;
+  other.shapes = Eigen::Vector3d(0.8, 0.0, 0.6);
+  other.frequency_hz *= 20.0;
+  EXPECT_EQ(pairing(one, other, {.least_mac = 0.6}).pairs.size(), 1U);
+}
+
 // The least cost over all permutations, by trying all of them.
 TEST(Pairing, IsTheBestOneThereIs) {
   std::mt19937 random(23);

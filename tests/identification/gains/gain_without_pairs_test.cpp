@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "gain_case.h"
 #include "identification/channel_gains.h"
@@ -267,6 +268,26 @@ TEST(GainWithoutPairs, AsksTheSimulationWhereThereIsNoPair) {
     EXPECT_EQ(mode.by, MatchedBy::prior);
     EXPECT_NEAR(std::log(mode.alpha), 0.0, 4.0 * mode.alpha_std / mode.alpha) << m;
     EXPECT_LT(mode.alpha_std / mode.alpha, 0.3) << m;
+  }
+}
+
+// Along a bar all places lie on one line. The sensor beside the actuator is its pair, whatever the
+// order of the channels, and whatever rounding does to places.
+TEST(ChannelPairs, OfOneLineAreThoseAtOnePlace) {
+  for (const bool turned : {false, true}) {
+    modal::FrfSet set;
+    for (const double x : {0.6, 0.0}) {
+      modal::MeasuredChannel channel;
+      channel.direction = Eigen::Vector3d::UnitX();
+      channel.position = Eigen::Vector3d(x, x == 0.0 ? 1e-12 : 0.0, 0.0);
+      set.outputs.push_back(channel);
+    }
+    if (turned) std::swap(set.outputs[0], set.outputs[1]);
+    set.inputs = {set.outputs[turned ? 0 : 1]};
+    set.inputs[0].position = Eigen::Vector3d::Zero();
+    const auto pairs = channel_pairs({}, set);
+    ASSERT_EQ(pairs.size(), 1U);
+    EXPECT_EQ(pairs[0].output, turned ? 0 : 1);
   }
 }
 

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "base/error.h"
+#include "identification/constants.h"
 #include "rotation/turn.h"
 #include "simulators/frf_cases.h"
 
@@ -82,6 +84,31 @@ TEST(Trust, TakesNoWeightsForNoise) {
     const auto judgement = judged(identified(data, options), data, options);
     EXPECT_NEAR(judgement.unexplained, std::pow(judgement.relative_error, 2), 1e-12);
     EXPECT_EQ(judgement.trust == Trust::none, modes == 1) << told(judgement);
+  }
+}
+
+// Nor do they say what noise is: an error of a tenth that neighbouring lines share is none, noise
+// of a tenth is.
+TEST(Trust, TellsASmoothErrorFromNoiseWithoutVariances) {
+  FitDataOptions how;
+  how.weighting = Weighting::inverse_magnitude;
+  IdentificationOptions options;
+  options.modes = 5;
+  for (const bool smooth : {true, false}) {
+    FrfFaults faults;
+    faults.relative_noise = smooth ? 1e-3 : 0.1;
+    auto set = trusted_beam(faults);
+    for (std::size_t k = 0; smooth && k < set.value.size(); ++k) {
+      const double hz = set.frequency_hz(static_cast<Eigen::Index>(k));
+      set.value[k] *= 1.0 + 0.15 * std::sin(hz / 0.7);
+    }
+    const auto data = fit_data(set, how);
+    const auto found = identified(data, options);
+    const auto judgement = judged(found, data, std::nullopt);
+    EXPECT_GT(judgement.relative_error, 0.03);
+    EXPECT_LT(judgement.relative_error, 0.3);
+    EXPECT_LT(judgement.level, Constants::good_level);  // of 1/|G|: no multiple of a noise
+    EXPECT_EQ(judgement.trust, smooth ? Trust::systematic : Trust::good) << told(judgement);
   }
 }
 
