@@ -18,6 +18,10 @@ struct Converted {
 
 Converted converted(const std::filesystem::path& from, const std::filesystem::path& to,
                     const std::string& unit, bool hdf5) {
+  require(
+      unit != io::kEachInSi,
+      "--unit SI: only a study knows what each sensor measures; state one unit, or read the file "
+      "in a study");
   const auto version = hdf5 ? io::MatVersion::mat_7_3 : io::MatVersion::mat_5;
   try {
     io::FrfOptions options;

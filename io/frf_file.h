@@ -22,12 +22,16 @@ class NoResponses : public InvalidInput {
   using InvalidInput::InvalidInput;
 };
 
+/// As a unit: the values of each output are in the SI unit of its quantity, which the caller knows.
+/// Outputs of several quantities have no unit in common.
+inline constexpr const char* kEachInSi = "SI";
+
 /// Information that a file of measured responses does not contain.
 struct FrfOptions {
   /// Names of possible channels. They decide where "re_y1u1" is divided. Other names are read too.
   std::vector<std::string> sensor_names, actuator_names;
-  /// Unit of the responses where the file states none: "mm", "m/s^2", "g", "um/V". Empty: the
-  /// numbers are taken as they are.
+  /// Unit of the responses where the file states none: "mm", "m/s^2", "g", "um/V", kEachInSi.
+  /// Empty: the numbers are taken as they are.
   std::string unit;
   std::optional<modal::FrfKind> kind;  ///< replaces the kind in the file, or a missing kind
   std::string length_unit;             ///< of a UFF file's coordinates without dataset 164

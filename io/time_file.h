@@ -18,7 +18,7 @@ struct TimeOptions {
   std::vector<std::string> sensor_names, actuator_names, reference_names;
   double sample_time_s = 0.0;  ///< used where the file has no time; 0: not known
   Eigen::Index period = 0;     ///< [samples] of a periodic excitation; 0: as in the file
-  std::string unit;            ///< of the outputs where the file states none: "mm", "g"
+  std::string unit;            ///< of the outputs where the file states none: "mm", "g", kEachInSi
   std::size_t limit_bytes = reading_limit();  ///< of memory for what the file holds
 };
 

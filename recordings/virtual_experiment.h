@@ -35,13 +35,14 @@ struct VirtualRig {
   std::optional<Controller> controller;
 };
 
-/// @throws InvalidInput  sizes differ, a number is negative or not finite, a loop that is unstable
-///                       or without delay
+/// @throws InvalidInput  sizes differ, a number is negative or not finite, a loop that is unstable,
+///                       without delay or of velocities
 void check(const VirtualRig& rig);
 
 /// The structure starts at rest. N samples of command drive each recorded input, held between
 /// samples. In a loop the commands are references that are added to the controller's output. The
-/// recorded input is the command that is sent to the hardware.
+/// recorded input is the command that is sent to the hardware. The last kRateAhead samples of
+/// velocities and accelerations take the forces to keep their last value.
 /// Cost: samples·states·channels if linear and in open loop, else the same for every step.
 /// @throws InvalidInput      as check(); the number of inputs differs
 /// @throws NumericalFailure  the response grows without bound

@@ -69,6 +69,23 @@ std::string valid_utf8(std::string_view text) {
   return out;
 }
 
+std::string utf8_of(std::string_view text) {
+  if (valid_utf8(text) == text) return std::string(text);
+  std::string out;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= 0x80U) out += static_cast<char>(0xC0U | byte >> 6U);
+    out += byte < 0x80U ? c : static_cast<char>(0x80U | (byte & 0x3FU));
+  }
+  return out;
+}
+
+std::string_view whole_letters(std::string_view text, std::size_t bytes) {
+  if (text.size() <= bytes) return text;
+  while (bytes > 0 && (static_cast<unsigned char>(text[bytes]) & 0xC0U) == 0x80U) --bytes;
+  return text.substr(0, bytes);
+}
+
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : valid_utf8(text)) append_entity(out, c);

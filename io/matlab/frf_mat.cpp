@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -21,7 +20,6 @@ namespace chladni::io {
 namespace {
 
 using Index = Eigen::Index;
-constexpr std::array<const char*, 3> kKinds{"receptance", "mobility", "accelerance"};
 
 /// The positions of lines, outputs and inputs in an array.
 struct Layout {
@@ -248,15 +246,10 @@ class Reader {
     make(file_.set.inputs, layout.inputs, input_names_, options_.actuator_names, "u");
     describe_channels(fields_, "output", file_.set.outputs);
     describe_channels(fields_, "input", file_.set.inputs);
-    const auto kinds = mat_texts(mat_value(fields_, {"kind"}), "kind");
-    for (std::size_t i = 0; i < file_.set.outputs.size() && !kinds.empty(); ++i) {
-      const auto& word = kinds[std::min(i, kinds.size() - 1)];
-      const auto kind = std::find(kKinds.begin(), kKinds.end(), word);
-      require(kind != kKinds.end(),
-              "kind is " + shown(word) + ", expected receptance, mobility or accelerance");
-      file_.set.outputs[i].kind = static_cast<modal::FrfKind>(kind - kKinds.begin());
-      kinds_known_ = true;
-    }
+    const auto stated = read_kinds(fields_, file_.set.outputs);
+    kinds_known_ = !stated.empty() && std::ranges::all_of(stated, std::identity());
+    require(kinds_known_ || std::ranges::none_of(stated, std::identity()),
+            "kind is stated of some outputs only; expected one word, or one per output");
   }
 
   void note_delays() {

@@ -3,17 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "base/error.h"
 #include "io/matlab/mat_names.h"
+#include "io/scan.h"
 
 namespace chladni::io {
 namespace {
 
 using Index = Eigen::Index;
+
+constexpr std::array<const char*, 3> kResponses{"receptance", "mobility", "accelerance"};
+constexpr std::array<const char*, 3> kMotions{"displacement", "velocity", "acceleration"};
 
 }  // namespace
 
@@ -72,6 +77,25 @@ void describe_channels(const MatFields& fields, const std::string& side,
     const Eigen::Vector3d at(place(c), place(c + count), place(c + 2 * count));
     if (at.allFinite()) channel.position = at;
   }
+}
+
+std::vector<bool> read_kinds(const MatFields& fields,
+                             std::vector<modal::MeasuredChannel>& outputs) {
+  const auto words = mat_texts(mat_value(fields, {"kind"}), "kind");
+  std::vector<bool> stated(outputs.size(), false);
+  for (std::size_t i = 0; i < outputs.size() && !words.empty(); ++i) {
+    const auto& word = words[std::min(i, words.size() - 1)];
+    if (word.empty()) continue;
+    for (std::size_t k = 0; k < kResponses.size(); ++k) {
+      if (word != kResponses[k] && word != kMotions[k]) continue;
+      outputs[i].kind = static_cast<modal::FrfKind>(k);
+      stated[i] = true;
+    }
+    require(stated[i], "kind is " + shown(word) +
+                           ", expected receptance, mobility or accelerance, of recordings "
+                           "displacement, velocity or acceleration");
+  }
+  return stated;
 }
 
 }  // namespace chladni::io

@@ -19,4 +19,11 @@ void add_channels(MatFields& fields, const std::string& side,
 void describe_channels(const MatFields& fields, const std::string& side,
                        std::vector<modal::MeasuredChannel>& channels);
 
+/// Sets what `kind` states of outputs: one word for all, or one per output. Words are those of
+/// responses (receptance, mobility, accelerance) or of motions (displacement, velocity,
+/// acceleration); an empty one states nothing.
+/// @return  for each output whether its kind is stated
+/// @throws InvalidInput  another word
+std::vector<bool> read_kinds(const MatFields& fields, std::vector<modal::MeasuredChannel>& outputs);
+
 }  // namespace chladni::io

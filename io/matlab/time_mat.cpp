@@ -50,7 +50,7 @@ class RecordReader {
     const auto stated = period.size() == 1 ? whole("period", period(0), 1e15) : 0;
     data_.period = options_.period > 0 ? options_.period : stated;
     number_records();
-    state_units();
+    state_units(known_kinds());
   }
 
  private:
@@ -164,16 +164,33 @@ class RecordReader {
     }
   }
 
-  void state_units() {
+  // Of each output, whether the file says what it measures. A variable of that name with other
+  // contents is another program's.
+  std::vector<bool> known_kinds() {
+    auto outputs = data_.outputs;
+    try {
+      auto known = read_kinds(fields_, outputs);
+      data_.outputs = std::move(outputs);
+      return known;
+    } catch (const InvalidInput& other) {
+      notes_.push_back(std::string("the variable kind is left out: ") + other.what());
+      return std::vector<bool>(data_.outputs.size(), false);
+    }
+  }
+
+  // @param is_stated  of each output, whether the file says what it measures
+  void state_units(const std::vector<bool>& is_stated) {
     const auto stated = stated_unit(options_.unit);
     for (std::size_t c = 0; c < data_.outputs.size(); ++c) {
       auto& output = data_.outputs[c];
       const auto unit = output.unit.empty() ? std::optional(stated) : motion_unit(output.unit);
       if (output.unit.empty()) output.unit = stated.si;
-      if (output.unit.empty() && c == 0) {
+      if (output.unit.empty() && options_.unit.empty() && c == 0) {
         notes_.push_back("the unit of " + output.name + " is not stated: values are as they stand");
       }
       if (!unit || !unit->kind) continue;
+      require(!is_stated[c] || output.kind == *unit->kind,
+              output.name + ": its unit " + unit->si + " and what kind says contradict each other");
       output.unit = unit->si;
       output.kind = *unit->kind;
       for (auto& record : data_.records) {
@@ -207,6 +224,24 @@ TimeFile time_of_mat(const MatFile& file, const std::string& name, const TimeOpt
   return result;
 }
 
+namespace {
+
+// What outputs measure, where the unit of one of them does not tell it.
+void add_kinds(MatFields& fields, const std::vector<modal::MeasuredChannel>& outputs) {
+  constexpr std::array<const char*, 3> words{"displacement", "velocity", "acceleration"};
+  std::vector<std::string> kinds;
+  bool any = false;
+  for (const auto& output : outputs) {
+    const bool told = motion_unit(output.unit).has_value();
+    const bool known = told || output.kind != modal::FrfKind::receptance;
+    any = any || (known && !told);
+    kinds.emplace_back(known ? words[static_cast<std::size_t>(output.kind)] : "");
+  }
+  if (any) fields.emplace_back("kind", kinds);
+}
+
+}  // namespace
+
 MatFields mat_of_time(const recordings::TimeData& data) {
   MatFields fields;
   const auto records = static_cast<Index>(data.records.size());
@@ -231,6 +266,7 @@ MatFields mat_of_time(const recordings::TimeData& data) {
     fields.emplace_back(kVariable[s], MatValue({samples, count, records}, std::move(numbers)));
     add_channels(fields, kSide[s], *sides[s]);
   }
+  add_kinds(fields, data.outputs);
   fields.emplace_back("sample_time_s", data.sample_time_s);
   if (data.period > 0) fields.emplace_back("period", static_cast<double>(data.period));
   fields.emplace_back("experiment", experiment);

@@ -110,6 +110,7 @@ std::optional<MotionUnit> motion_unit(std::string_view word) {
 }
 
 MotionUnit stated_unit(std::string_view word) {
+  if (word == kEachInSi) return {};
   const auto unit = bare(word);
   if (auto motion = motion_unit(unit)) return *motion;
   require(unit.empty() || is_of_other_sensors(unit), unknown_unit(word));
@@ -153,6 +154,10 @@ void state_unit(FrfFile& file, std::size_t i, const Stated& unit, bool kind_know
   auto& output = file.set.outputs[i];
   if (options.kind) output.kind = *options.kind;
   if (!output.unit.empty()) return;
+  if (options.unit == kEachInSi) {
+    if (kind_known || options.kind) output.unit = kMotion[static_cast<std::size_t>(output.kind)];
+    return;
+  }
   const auto kind = options.kind ? options.kind : unit.output.kind;
   require(!kind_known || options.kind || !kind || *kind == output.kind,
           "the unit \"" + options.unit + "\" is of a " + name_of(kind.value_or(output.kind)) +
@@ -165,7 +170,8 @@ void state_unit(FrfFile& file, std::size_t i, const Stated& unit, bool kind_know
 }  // namespace
 
 void state_units(FrfFile& file, bool kind_known, const FrfOptions& options) {
-  const Stated unit = options.unit.empty() ? Stated{} : stated(options.unit);
+  const bool each_in_si = options.unit == kEachInSi;
+  const Stated unit = options.unit.empty() || each_in_si ? Stated{} : stated(options.unit);
   const bool contradict = options.kind && unit.output.kind && *options.kind != *unit.output.kind;
   require(!contradict,
           "the unit \"" + options.unit + "\" is of another kind than the responses are said to be");
@@ -178,7 +184,7 @@ void state_units(FrfFile& file, bool kind_known, const FrfOptions& options) {
   const auto& outputs = file.set.outputs;
   const auto nameless = std::find_if(outputs.begin(), outputs.end(),
                                      [](const auto& output) { return output.unit.empty(); });
-  if (nameless == outputs.end()) return;
+  if (nameless == outputs.end() || each_in_si) return;
   const bool assumed = !kind_known && !options.kind;
   file.notes.push_back("the unit of " + nameless->name +
                        " is not stated: values are as they stand" +

@@ -1,9 +1,13 @@
 #include "io/measured/measured_format.h"
 
+#include <algorithm>
+#include <set>
+
 #include "base/error.h"
 #include "host/atomic_file.h"
 #include "io/bytes/gzip.h"
 #include "io/bytes/room.h"
+#include "io/measured/frf_units.h"
 #include "io/scan.h"
 
 namespace chladni::io {
@@ -44,18 +48,27 @@ std::vector<std::string> lost_in_csv(
     const std::vector<const std::vector<modal::MeasuredChannel>*>& sides) {
   bool units = false;
   bool places = false;
-  std::string unit;  // of the outputs
+  std::set<std::string> of_outputs;  // units
   for (const auto* side : sides) {
     for (const auto& channel : *side) {
       units = units || !channel.unit.empty();
       places = places || channel.node || channel.position || channel.direction.any();
-      if (unit.empty() && side == sides.front()) unit = channel.unit;
+      if (side == sides.front()) of_outputs.insert(channel.unit);
     }
   }
+  // Several motions have no unit in common.
+  const bool motions = std::ranges::all_of(
+      of_outputs, [](const std::string& unit) { return motion_unit(unit).has_value(); });
+  if (of_outputs.size() > 1 && motions) of_outputs = {kEachInSi};
+  of_outputs.erase("");
   std::vector<std::string> lost;
   if (units) {
     lost.push_back("CSV holds no units" +
-                   (unit.empty() ? "" : ": say unit = \"" + unit + "\" on reading"));
+                   (of_outputs.size() == 1
+                        ? ": say unit = \"" + *of_outputs.begin() +
+                              (*of_outputs.begin() == kEachInSi ? "\" in a study that reads it"
+                                                                : "\" on reading")
+                        : ""));
   }
   if (places) lost.emplace_back("CSV holds no nodes, directions and places: they are left out");
   return lost;

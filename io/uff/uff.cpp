@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "io/bytes/escape.h"
 #include "io/scan.h"
 #include "io/uff/uff_datasets.h"
 #include "io/uff/uff_systems.h"
@@ -107,7 +108,7 @@ class UffReader {
           number == "55" ? uff_shape_55(lines_, uff_.notes) : uff_shape_2414(lines_, uff_.notes);
       if (shape) uff_.shapes.push_back(std::move(*shape));
     } else if (number == "151") {
-      uff_.title = std::string(trimmed(lines_.record("model's name")));
+      uff_.title = utf8_of(trimmed(lines_.record("model's name")));
       to_delimiter();
     } else if (number == "164") {
       units();
@@ -154,9 +155,8 @@ class UffReader {
   void units() {
     const std::string head(lines_.filled_record("units code"));
     UffUnits units;
-    units.description = head.size() > 10
-                            ? std::string(trimmed(std::string_view(head).substr(10, 20)))
-                            : std::string();
+    units.description =
+        head.size() > 10 ? utf8_of(trimmed(std::string_view(head).substr(10, 20))) : std::string();
     const std::string factors(lines_.filled_record("unit factors"));
     std::size_t at = 0;
     const double length = number(factors, at, "factor of lengths");

@@ -6,6 +6,8 @@
 #include <array>
 #include <charconv>
 
+#include "io/bytes/escape.h"
+
 namespace chladni::io {
 namespace {
 
@@ -49,9 +51,14 @@ std::string in_25(double value) {
   return text;
 }
 
+std::string in_columns(std::string_view words, std::size_t columns) {
+  std::string field(whole_letters(words, columns));
+  return field.append(columns - field.size(), ' ');
+}
+
 std::string line_80(const std::string& words) {
-  std::string line = words.empty() ? "NONE" : words.substr(0, 80);
-  for (char& c : line) c = c < ' ' ? ' ' : c;
+  std::string line = words.empty() ? "NONE" : std::string(whole_letters(words, 80));
+  for (char& c : line) c = static_cast<unsigned char>(c) < ' ' ? ' ' : c;
   return line + "\n";
 }
 

@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace chladni::io {
 
@@ -18,7 +19,9 @@ inline constexpr int kRealValues = 2, kDoubleValues = 4, kComplexValues = 5, kDo
 [[nodiscard]] std::string in_13(double value);
 /// A number in 25 columns with 17 digits, by Fortran's 1PD25.16.
 [[nodiscard]] std::string in_25(double value);
-/// A line of at most 80 letters with its end; "NONE" for an empty text.
+/// Words in so many columns, which are bytes whatever the letters take; what is longer is cut off.
+[[nodiscard]] std::string in_columns(std::string_view words, std::size_t columns);
+/// A line of at most 80 bytes with its end; "NONE" for an empty text.
 [[nodiscard]] std::string line_80(const std::string& words);
 /// Lines of up to six numbers: 6E13.5.
 [[nodiscard]] std::string lines_of_6(std::span<const double> values);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "io/bytes/escape.h"
 #include "io/measured/measurable.h"
 #include "io/scan.h"
 #include "io/uff/uff_datasets.h"
@@ -25,7 +26,7 @@ bool cuts(std::string_view line, std::size_t at) {
 
 std::string word_of(std::string_view field) {
   const auto word = trimmed(field);
-  return upper(word) == "NONE" ? std::string() : std::string(word);
+  return upper(word) == "NONE" ? std::string() : utf8_of(word);
 }
 
 int direction_of(const UffLines& lines, std::string_view word) {
@@ -251,7 +252,7 @@ UffFunction uff_function(UffLines& lines, std::string_view head, std::vector<std
   function.binary = upper(head).find('B') != std::string::npos;
   for (auto& id : function.id) {
     const auto line = trimmed(lines.record("identification lines"));
-    id = upper(line) == "NONE" ? std::string() : std::string(line.substr(0, 80));
+    id = upper(line) == "NONE" ? std::string() : utf8_of(whole_letters(line, 80));
   }
   read_degrees(lines, function);
   const Form form = read_form(lines);

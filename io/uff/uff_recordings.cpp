@@ -155,6 +155,7 @@ void UffRecordings::take(std::size_t f) {
     channel.unit = scale.unit;
     channel.kind = scale.kind.value_or(channel.kind);
     found = all.insert(all.end(), channel);
+    if (side == Side::output) stated_kind_.push_back(scale.kind);
     note_once(scale.note);
   }
   Key key{function.load_case, function.version, 0};
@@ -207,6 +208,12 @@ void UffRecordings::state_unit() {
   for (std::size_t c = 0; c < file_.data.outputs.size(); ++c) {
     auto& output = file_.data.outputs[c];
     if (!output.unit.empty() || options_.unit.empty()) continue;
+    // A displacement counts for nothing: our own files call outputs of an unknown quantity so.
+    const auto kind = stated_kind_[c].value_or(modal::FrfKind::receptance);
+    if (kind != modal::FrfKind::receptance && unit.kind && kind != unit.kind) {
+      fail("the unit \"" + options_.unit + "\" is none of what the file says of " + output.name +
+           ": it is of another kind of motion");
+    }
     output.unit = unit.si;
     output.kind = unit.kind.value_or(output.kind);
     stated_factor_(static_cast<Index>(c)) = unit.factor;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -104,6 +105,7 @@ class UffRecordings {
   TimeFile file_;
   std::map<Key, std::vector<UffPart>> parts_;
   std::vector<UffRecord> records_;
+  std::vector<std::optional<modal::FrfKind>> stated_kind_;  // of each output, by the file
   Eigen::VectorXd stated_factor_;
 };
 

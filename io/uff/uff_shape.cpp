@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "io/bytes/escape.h"
 #include "io/measured/measurable.h"
 #include "io/scan.h"
 #include "io/uff/uff_datasets.h"
@@ -125,7 +126,7 @@ void skip_rest(UffLines& lines) {
 }
 
 void read_identification(UffLines& lines, UffShape& shape) {
-  for (auto& id : shape.id) id = std::string(trimmed(lines.record("identification lines")));
+  for (auto& id : shape.id) id = utf8_of(trimmed(lines.record("identification lines")));
 }
 
 }  // namespace

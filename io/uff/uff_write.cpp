@@ -35,17 +35,16 @@ void require_columns(long long number, std::size_t columns, const std::string& w
 }
 
 std::string degree(const UffDof& dof) {
-  const std::string entity = dof.entity.empty() ? "NONE" : dof.entity.substr(0, 10);
-  return fmt::format(" {:<10}{:10}{:4}", entity, dof.node, dof.direction);
+  const std::string entity = in_columns(dof.entity.empty() ? "NONE" : dof.entity, 10);
+  return fmt::format(" {}{:10}{:4}", entity, dof.node, dof.direction);
 }
 
 std::string axis_line(const UffAxis& axis) {
   const auto word = [](const std::string& text) {
-    return text.empty() ? std::string("NONE") : text;
+    return in_columns(text.empty() ? "NONE" : text, 20);
   };
-  return fmt::format("{:10}{:5}{:5}{:5} {:<20} {:<20}\n", axis.type, axis.length_exponent,
-                     axis.force_exponent, 0, word(axis.label).substr(0, 20),
-                     word(axis.unit).substr(0, 20));
+  return fmt::format("{:10}{:5}{:5}{:5} {} {}\n", axis.type, axis.length_exponent,
+                     axis.force_exponent, 0, word(axis.label), word(axis.unit));
 }
 
 void append(std::string& bytes, double value) {

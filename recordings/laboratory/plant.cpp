@@ -43,16 +43,38 @@ Plant::Block mode_block(const modal::ReducedModel& model, Eigen::Index mode,
   return block;
 }
 
+// What the static flexibility and the modes pass on at once; nothing if all are displacements.
+std::optional<RatePath> rate_path(const modal::ReducedModel& model,
+                                  const std::vector<modal::FrfKind>& kinds) {
+  const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(model.output_count(), model.input_count());
+  RatePath result{.force = none, .rate = none, .second = none, .kink = none};
+  bool any = false;
+  for (Eigen::Index i = 0; i < model.output_count(); ++i) {
+    const auto kind = kinds[static_cast<std::size_t>(i)];
+    if (kind == modal::FrfKind::receptance) continue;
+    any = true;
+    const Eigen::RowVectorXd at_once = model.output_shapes.row(i) * model.input_shapes;
+    const bool velocity = kind == modal::FrfKind::mobility;
+    (velocity ? result.kink : result.force).row(i) = at_once;
+    (velocity ? result.rate : result.second).row(i) = model.residual.row(i);
+  }
+  if (!any) return std::nullopt;
+  return result;
+}
+
 // All states of a model whose dashpots couple the modes.
 Plant coupled(const modal::ReducedModel& model, const std::vector<modal::FrfKind>& kinds) {
   const auto receptance = modal::state_space(model);
-  Plant result{.blocks = {{receptance.a, receptance.b, receptance.c}}, .d = receptance.d};
+  Plant result{.blocks = {{receptance.a, receptance.b, receptance.c}},
+               .d = receptance.d,
+               .rates = rate_path(model, kinds)};
   for (const auto kind : {modal::FrfKind::mobility, modal::FrfKind::accelerance}) {
     const auto other = modal::state_space(model, kind);
     for (Eigen::Index i = 0; i < model.output_count(); ++i) {
       if (kinds[static_cast<std::size_t>(i)] != kind) continue;
       result.blocks.front().c.row(i) = other.c.row(i);
-      result.d.row(i) = other.d.row(i);
+      result.d.row(i).setZero();
+      if (kind == modal::FrfKind::accelerance) result.rates->force.row(i) = other.d.row(i);
     }
   }
   return result;
@@ -90,12 +112,10 @@ Plant plant(const modal::ReducedModel& model, const std::vector<modal::FrfKind>&
     result.blocks.push_back(mode_block(model, k, each));
   }
   for (Eigen::Index i = 0; i < model.output_count(); ++i) {
-    const auto kind = each[static_cast<std::size_t>(i)];
-    if (kind == modal::FrfKind::receptance) result.d.row(i) = model.residual.row(i);
-    if (kind == modal::FrfKind::accelerance) {
-      result.d.row(i) = model.output_shapes.row(i) * model.input_shapes;
-    }
+    const bool displacement = each[static_cast<std::size_t>(i)] == modal::FrfKind::receptance;
+    if (displacement) result.d.row(i) = model.residual.row(i);
   }
+  result.rates = rate_path(model, each);
   return result;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "modal/reduced_model.h"
@@ -9,21 +10,30 @@
 
 namespace chladni::recordings {
 
-/// ẋ_i = A_i x_i + B_i u, y = Σ C_i x_i + D u; p outputs, q forces.
+/// What velocities and accelerations take from the forces without any state: D₀ u + D₁ u̇ + D₂ ü.
+/// Static flexibility moves at once, so its velocity follows u̇ and its acceleration ü.
+struct RatePath {
+  Eigen::MatrixXd force, rate, second;  ///< D₀, D₁, D₂: p×q; no rows of displacements
+  Eigen::MatrixXd kink;  ///< p×q: by how much the slope of a velocity changes with the force
+};
+
+/// ẋ_i = A_i x_i + B_i u, y = Σ C_i x_i + D u + the path of rates; p outputs, q forces.
 struct Plant {
   struct Block {
     Eigen::MatrixXd a, b, c;  ///< s×s, s×q, p×s
   };
   std::vector<Block> blocks;
-  Eigen::MatrixXd d;  ///< p×q
+  Eigen::MatrixXd d;              ///< p×q
+  std::optional<RatePath> rates;  ///< of velocities and accelerations; a loop can take none
 
   [[nodiscard]] Eigen::Index output_count() const { return d.rows(); }
   [[nodiscard]] Eigen::Index input_count() const { return d.cols(); }
 };
 
 /// One block of two states for each mode; one block for all states where dashpots couple the modes.
-/// `kinds`: the quantity of each output; empty: displacements. Residual flexibility acts on
-/// displacements only.
+/// `kinds`: the quantity of each output; empty: displacements. Each is (jω)ⁿ of its displacement,
+/// residual flexibility included; velocities and accelerations lack what the residual flexibility
+/// does to forces of dashpots.
 /// @throws InvalidInput  the model does not fit together, the number of kinds differs
 [[nodiscard]] Plant plant(const modal::ReducedModel& model,
                           const std::vector<modal::FrfKind>& kinds = {});

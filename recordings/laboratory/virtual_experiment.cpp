@@ -2,13 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
 
 #include "base/error.h"
-#include "base/interrupt.h"
+#include "recordings/laboratory/rate_path.h"
 
 namespace chladni::recordings {
 namespace {
@@ -92,6 +91,9 @@ Eigen::MatrixXd open_loop(const VirtualRig& rig, const Eigen::MatrixXd& force) {
   Eigen::MatrixXd outputs = (delay.weight(0) * now + delay.weight(1) * late +
                              delay.weight(2) * shifted(force, delay.whole + 2)) *
                             rig.plant.d.transpose();
+  if (rig.plant.rates) {
+    outputs += along_rate_path(*rig.plant.rates, delay, rig.sample_time_s, force);
+  }
   for (const auto& block : sampled(rig.plant, rig.sample_time_s, delay.fraction)) {
     Eigen::MatrixXd states = block.b * now.transpose();
     if (delay.fraction > 0.0) states += block.b_late * late.transpose();
@@ -217,6 +219,11 @@ Record in_steps(const VirtualRig& rig, const Eigen::MatrixXd& command, Draw& noi
                 .references = Eigen::MatrixXd(command.rows(), 0)};
   add_noise(rig.sensor_noise, noise, record.outputs);
   const auto driven = forces(rig, command, noise);
+  if (rig.plant.rates) {  // in a loop there are none: check()
+    const auto delay = sampled_delay(rig.delay_s, rig.sample_time_s);
+    record.outputs +=
+        along_rate_path(*rig.plant.rates, delay, rig.sample_time_s, driven).leftCols(p);
+  }
   Stepped structure(rig);
   std::optional<Feedback> loop;
   if (rig.controller) loop.emplace(*rig.controller);
@@ -264,6 +271,7 @@ void check(const VirtualRig& rig) {
             "virtual experiment: the cubic spring is not where the structure has channels");
   }
   if (!rig.controller) return;
+  require(!rig.plant.rates, "virtual experiment: a loop needs outputs of displacement");
   require(delay.whole >= 1, "virtual experiment: a loop needs a delay of one sample or more, " +
                                 fmt::format("{:.6g}", 1e6 * rig.sample_time_s) + " us");
   for (const auto j : rig.controller->controlled) {
@@ -292,106 +300,6 @@ Record recorded(const VirtualRig& rig, const Eigen::MatrixXd& command, Draw& noi
     for (double& value : record.outputs.col(i)) value = quantised(value, rig.quantisation(i));
   }
   return record;
-}
-
-namespace {
-
-TimeData empty_data(const VirtualRig& rig, Eigen::Index period) {
-  TimeData data{.outputs = rig.outputs,
-                .inputs = rig.inputs,
-                .references = {},
-                .sample_time_s = rig.sample_time_s,
-                .period = period,
-                .records = {}};
-  if (rig.controller) {
-    data.references = rig.inputs;
-    for (auto& channel : data.references) channel.name = "r_" + channel.name;
-  }
-  return data;
-}
-
-// One experiment: `inputs` is one period.
-Record periodic_record(const VirtualRig& rig, const Eigen::MatrixXd& inputs, Eigen::Index periods,
-                       Eigen::Index warm_up, Draw& draw) {
-  throw_if_interrupted();
-  const auto kept = periods * inputs.rows();
-  const Eigen::MatrixXd command = inputs.replicate(warm_up + periods, 1);
-  Record record = recorded(rig, command, draw);
-  record.outputs = Eigen::MatrixXd(record.outputs.bottomRows(kept));
-  record.inputs = Eigen::MatrixXd(record.inputs.bottomRows(kept));
-  record.references =
-      rig.controller ? Eigen::MatrixXd(command.bottomRows(kept)) : Eigen::MatrixXd(kept, 0);
-  return record;
-}
-
-}  // namespace
-
-TimeData realisation(const VirtualRig& rig, const VirtualExperimentPlan& plan, int number,
-                     Draw& draw, double* crest_factor) {
-  require(plan.periods >= 1 && plan.warm_up >= 0,
-          "virtual experiment: the number of periods is not positive");
-  const auto set = experiments(plan.multisine, count(rig.inputs), plan.scheme, draw);
-  if (crest_factor != nullptr) *crest_factor = std::max(*crest_factor, set.crest_factor);
-  auto data = empty_data(rig, plan.multisine.period);
-  int experiment = 0;
-  for (const auto& inputs : set.inputs) {
-    auto record = periodic_record(rig, inputs, plan.periods, plan.warm_up, draw);
-    record.experiment = experiment++;
-    record.realisation = number;
-    data.records.push_back(std::move(record));
-  }
-  return data;
-}
-
-TimeData played(const VirtualRig& rig, const TimeData& excitation, Eigen::Index periods,
-                Eigen::Index warm_up, Draw& draw, double* crest_factor) {
-  require(std::abs(excitation.sample_time_s / rig.sample_time_s - 1.0) < 1e-6,
-          "virtual experiment: the excitation is sampled at " +
-              fmt::format("{:.6g}", 1.0 / excitation.sample_time_s) + " Hz, and the rig at " +
-              fmt::format("{:.6g}", 1.0 / rig.sample_time_s) + " Hz");
-  std::vector<Eigen::Index> columns;
-  for (const auto& input : rig.inputs) {
-    const auto found =
-        std::ranges::find(excitation.inputs, input.name, &modal::MeasuredChannel::name);
-    require(found != excitation.inputs.end(),
-            "virtual experiment: the excitation has no input \"" + input.name + "\"");
-    columns.push_back(found - excitation.inputs.begin());
-  }
-  require(!excitation.records.empty(), "virtual experiment: the excitation has no record");
-  auto data = empty_data(rig, excitation.records.front().inputs.rows());
-  for (const auto& one : excitation.records) {
-    require(one.inputs.rows() == data.period,
-            "virtual experiment: records of the excitation differ in length; expected one period");
-    const Eigen::MatrixXd inputs = one.inputs(Eigen::all, columns);
-    if (crest_factor != nullptr) {
-      for (const auto& column : inputs.colwise()) {
-        *crest_factor = std::max(*crest_factor, recordings::crest_factor(column));
-      }
-    }
-    auto record = periodic_record(rig, inputs, periods, warm_up, draw);
-    record.experiment = one.experiment;
-    record.realisation = one.realisation;
-    data.records.push_back(std::move(record));
-  }
-  return data;
-}
-
-TimeData virtual_experiment(const VirtualRig& rig, const VirtualExperimentPlan& plan,
-                            int realisations, unsigned seed, const Progress& progress) {
-  check(rig);
-  require(realisations >= 1, "virtual experiment: no realisations");
-  Draw draw(seed);
-  TimeData all;
-  for (int r = 0; r < realisations; ++r) {
-    tell(progress, "shaking", static_cast<double>(r) / realisations);
-    auto one = realisation(rig, plan, r, draw);
-    if (r == 0) {
-      all = std::move(one);
-      continue;
-    }
-    for (auto& record : one.records) all.records.push_back(std::move(record));
-  }
-  return all;
 }
 
 }  // namespace chladni::recordings

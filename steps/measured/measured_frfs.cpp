@@ -63,17 +63,16 @@ void rename(modal::MeasuredChannel& one, const study::Channel& channel) {
   one.position = channel.at.point;
 }
 
-// Whether the unit, in SI if it is one of a motion, is of this kind.
-bool is_unit_of(const std::string& unit, modal::FrfKind kind) {
+const char* si_unit_of(modal::FrfKind kind) {
   constexpr const char* units[] = {"m", "m/s", "m/s^2"};
-  return unit == units[static_cast<std::size_t>(kind)];
+  return units[static_cast<std::size_t>(kind)];
 }
 
-// Whether it is a unit of any motion.
+// Whether it is a unit of any motion, in SI.
 bool is_of_motion(const std::string& unit) {
   using enum modal::FrfKind;
-  return is_unit_of(unit, receptance) || is_unit_of(unit, mobility) ||
-         is_unit_of(unit, accelerance);
+  return unit == si_unit_of(receptance) || unit == si_unit_of(mobility) ||
+         unit == si_unit_of(accelerance);
 }
 
 // Units by which a study may say what a file does not.
@@ -82,13 +81,22 @@ const char* examples_of(modal::FrfKind kind) {
   return kind == modal::FrfKind::accelerance ? "\"m/s^2\" or \"g\"" : "\"m\" or \"um\"";
 }
 
-void set_kind(modal::MeasuredChannel& one, const study::Channel& channel, const std::string& file) {
+// @param each_in_si  the study says so of outputs without a unit
+void set_kind(modal::MeasuredChannel& one, const study::Channel& channel, const std::string& file,
+              bool each_in_si) {
   const auto kind = kind_of(channel.quantity);
-  const bool is_stated = !one.unit.empty() || kind == modal::FrfKind::receptance;
+  const bool is_stated = !one.unit.empty() || kind == modal::FrfKind::receptance || each_in_si;
   require(is_stated,
           fmt::format("{}: \"{}\" measures {}, and no unit is stated; say that of the responses "
-                      "as [identification] unit = {}",
-                      file, channel.name, channel.quantity, examples_of(kind)));
+                      "as [identification] unit = {}, or as \"{}\" where sensors differ",
+                      file, channel.name, channel.quantity, examples_of(kind), io::kEachInSi));
+  // A file may state the kind without a unit: by the type of its data, or by a label.
+  require(!one.unit.empty() || one.kind == kind || one.kind == modal::FrfKind::receptance,
+          fmt::format(
+              "{}: \"{}\" is of {} as the file says, without a unit, and the study says {}; "
+              "correct the channel's quantity, and say the unit as [identification] unit = "
+              "{}",
+              file, channel.name, quantity_of(one.kind), channel.quantity, examples_of(one.kind)));
   require(
       one.unit.empty() || is_of_motion(one.unit),
       fmt::format("{}: \"{}\" is measured in \"{}\", and the study says {}; expected {}. Correct "
@@ -100,6 +108,7 @@ void set_kind(modal::MeasuredChannel& one, const study::Channel& channel, const 
                       "channel's quantity",
                       file, channel.name, one.unit, quantity_of(one.kind), channel.quantity));
   one.kind = kind;
+  if (one.unit.empty() && each_in_si) one.unit = si_unit_of(kind);
 }
 
 std::vector<Eigen::Index> seen(const std::vector<modal::MeasuredChannel>& channels,
@@ -135,9 +144,10 @@ struct Matched {
 // The set on the study's channels, without their gains and delays.
 modal::FrfSet on_channels(const study::Study& study, const modal::FrfSet& set,
                           const Matched& matched, const std::string& file) {
+  const bool each_in_si = study.identification && study.identification->unit == io::kEachInSi;
   auto result = part_of(set, matched.outputs, matched.inputs);
   for (std::size_t i = 0; i < matched.outputs.size(); ++i) {
-    set_kind(result.outputs[i], *matched.outputs[i].channel, file);
+    set_kind(result.outputs[i], *matched.outputs[i].channel, file, each_in_si);
     rename(result.outputs[i], *matched.outputs[i].channel);
   }
   for (std::size_t j = 0; j < matched.inputs.size(); ++j) {

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <vector>
 
 #include "base/error.h"
 #include "base/turn.h"
@@ -147,6 +149,90 @@ TEST(VirtualExperiment, TheChainInTimeIsTheChainInFrequency) {
   EXPECT_LT(difference_of_chain(1e9), 1e-7);
   // Modes above 1500 Hz as springs: what is missing is their damping, (f / 1500 Hz) of little.
   EXPECT_LT(difference_of_chain(1500.0), 2e-3);
+}
+
+// A rig that has a displacement, a velocity and an acceleration of each of two places.
+VirtualRig rig_of_rates(double sampling_hz) {
+  auto model = two_modes();
+  model.output_shapes = model.output_shapes.replicate(3, 1).eval();
+  Eigen::Matrix2d residual;
+  residual << 5e-5, -1e-5, -2e-5, 8e-5;  // as large as the modes from about 25 Hz on
+  model.residual = residual.replicate(3, 1);
+  model.dampers.to_outputs.resize(6, 0);
+  auto rig = rig_of(model, sampling_hz);
+  std::vector<modal::FrfKind> kinds;
+  for (const auto kind :
+       {modal::FrfKind::receptance, modal::FrfKind::mobility, modal::FrfKind::accelerance}) {
+    kinds.insert(kinds.end(), 2, kind);
+  }
+  rig.plant = plant(model, kinds);
+  return rig;
+}
+
+// Largest difference of the velocities' and accelerations' steady response from jω and (jω)² times
+// (G + R) of the first places, held and delayed, relative, up to an eighth of the sampling.
+double difference_of_rates(double delay_samples) {
+  auto rig = rig_of_rates(512.0);
+  rig.delay_s = delay_samples * rig.sample_time_s;
+  auto model = two_modes();
+  model.residual << 5e-5, -1e-5, -2e-5, 8e-5;
+  VirtualExperimentPlan plan = plan_of_seconds(1);
+  plan.multisine.high_hz = 64.0;
+  plan.warm_up = 8;
+  const auto data = virtual_experiment(rig, plan, 1, 3);
+  const Eigen::VectorXd f = Eigen::VectorXd::LinSpaced(60, 5.0, 64.0);
+  const auto want = modal::frf(model, f);
+  double largest = 0.0;
+  for (Eigen::Index k = 0; k < f.size(); ++k) {
+    const double omega = kTwoPi * f(k);
+    const double x = 0.5 * omega * rig.sample_time_s;
+    const Complex held = std::sin(x) / x * std::exp(Complex(0.0, -x - omega * rig.delay_s));
+    for (std::size_t j = 0; j < 2; ++j) {
+      const auto& record = data.records[j];
+      const auto line = [&](const Eigen::VectorXd& samples) {
+        return fourier(samples)(static_cast<Eigen::Index>(std::lround(f(k))));
+      };
+      const auto column = static_cast<Eigen::Index>(j);
+      const Complex force = line(record.inputs.col(column));
+      for (Eigen::Index i = 2; i < 6; ++i) {
+        const Complex rate = i < 4 ? Complex(0.0, omega) : Complex(-omega * omega, 0.0);
+        const auto& g = want.value[static_cast<std::size_t>(k)];
+        const Complex expected = rate * held * g(i % 2, column) * force;
+        const double scale = std::abs(rate * force) * g.col(column).norm();
+        largest = std::max(largest, std::abs(line(record.outputs.col(i)) - expected) / scale);
+      }
+    }
+  }
+  return largest;
+}
+
+// (jω)ⁿ of the displacement, static flexibility included; it was left out.
+TEST(VirtualExperiment, VelocitiesAndAccelerationsContainTheStaticFlexibility) {
+  EXPECT_LT(difference_of_rates(0.0), 1e-2);
+  for (const double delay : {0.3, 0.5, 1.7, 3.0}) {
+    EXPECT_LT(difference_of_rates(delay), 2e-2) << delay;
+  }
+}
+
+TEST(VirtualExperiment, RatesInStepsAreThoseOfTheWholeRecord) {
+  auto rig = rig_of_rates(512.0);
+  rig.delay_s = 1.3 * rig.sample_time_s;
+  const auto u = measured_noise(100, 2);
+  Draw draw(1);
+  const auto whole = recorded(rig, u, draw).outputs;
+  rig.spring = CubicSpring{.stiffness = 0.0, .output = 0, .input = 0};
+  EXPECT_LT((recorded(rig, u, draw).outputs - whole).norm(), 1e-10 * whole.norm());
+}
+
+TEST(VirtualExperiment, ALoopOfVelocitiesIsRefused) {
+  auto rig = rig_of_rates(512.0);
+  rig.delay_s = rig.sample_time_s;
+  rig.controller = Controller{.a = Eigen::MatrixXd::Zero(1, 1),
+                              .b = Eigen::MatrixXd::Zero(1, 6),
+                              .c = Eigen::MatrixXd::Zero(1, 1),
+                              .d = Eigen::MatrixXd::Zero(1, 6),
+                              .controlled = {0}};
+  EXPECT_THROW(check(rig), InvalidInput);
 }
 
 TEST(VirtualExperiment, NoiseAndQuantisationAreAsLargeAsStated) {

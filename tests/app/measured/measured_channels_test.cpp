@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <complex>
+#include <tuple>
 
 #include "base/error.h"
 #include "host/atomic_file.h"
@@ -193,6 +194,7 @@ TEST_F(MeasuredChannels, AnAxisThatWasNotMeasuredIsLeftOut) {
 TEST_F(MeasuredChannels, OtherMotionsThanDisplacementsNeedAUnit) {
   auto sample = response(3, 250.0);
   sample.ordinate = 0;
+  sample.label = "Response";
   sample.unit = "NONE";
   const auto unitless = dataset_58(sample);
   const auto with = [&](const std::string& quantity, const std::string& unit) {
@@ -210,6 +212,51 @@ TEST_F(MeasuredChannels, OtherMotionsThanDisplacementsNeedAUnit) {
   EXPECT_NEAR(first_value(g) / first_value(si), 9.80665, 1e-9);
   EXPECT_EQ(si.all.outputs[0].kind, modal::FrfKind::accelerance);
   EXPECT_EQ(first_value(read(unitless, with("displacement", ""))), first_value(si));
+}
+
+// Accelerations were fitted as displacements where the file states their type and no unit.
+TEST_F(MeasuredChannels, TheTypeOfTheDataCountsWithoutAUnit) {
+  auto sample = response(3, 250.0);
+  sample.unit = "NONE";
+  const std::string unitless = study(sensor("s1", "\"z\"", "101"));
+  for (const auto& [type, quantity, unit] :
+       {std::tuple(11, "velocity", "m/s"), std::tuple(12, "acceleration", "m/s^2")}) {
+    sample.ordinate = type;
+    refused(dataset_58(sample), unitless,
+            {std::string("\"s1\" is of ") + quantity + " as the file says",
+             std::string("[identification] unit = \"") + unit + "\""});
+  }
+  sample.ordinate = 8;
+  EXPECT_EQ(read(dataset_58(sample), unitless).all.outputs[0].kind, modal::FrfKind::receptance);
+  EXPECT_TRUE(says("the unit of"));
+}
+
+// What `simulate` and `convert` write of sensors that differ could not be read back.
+TEST_F(MeasuredChannels, ATableOfSeveralQuantitiesIsReadBack) {
+  write_atomically(folder_.path() / "measured.uff", dataset_58(response(3, 250.0)));
+  auto set = io::read_frf(folder_.path() / "measured.uff").set;
+  set.inputs[0].name = "a1";
+  set.outputs = {set.outputs[0], set.outputs[0]};
+  set.outputs[0].name = "s1";
+  set.outputs[1].name = "s2";
+  set.outputs[1].kind = modal::FrfKind::accelerance;
+  set.outputs[1].unit = "m/s^2";
+  for (auto& line : set.value) line = line.replicate(2, 1).eval();
+  const auto lost = io::write_frf(folder_.path() / "measured.csv", set);
+  ASSERT_FALSE(lost.empty());
+  EXPECT_NE(lost.front().find("say unit = \"SI\""), std::string::npos) << lost.front();
+  auto text = study(sensor("s1", "\"z\"", "") + sensor("s2", "\"z\"", "") +
+                    "quantity = \"acceleration\"\n");
+  text.replace(text.find("measured.uff"), 12, "measured.csv");
+  refused("", text, {"\"s2\" measures acceleration", "\"SI\" where sensors differ"});
+  const std::string key = "[identification]\n";
+  const auto found = read("", text.insert(text.find(key) + key.size(), "unit = \"SI\"\n")).all;
+  ASSERT_EQ(found.output_count(), 2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(found.outputs[i].kind, set.outputs[i].kind);
+    EXPECT_EQ(found.outputs[i].unit, set.outputs[i].unit);
+  }
+  EXPECT_EQ(found.value[7], set.value[7]);
 }
 
 TEST_F(MeasuredChannels, AUnitThatIsOfNoMotionIsRefused) {

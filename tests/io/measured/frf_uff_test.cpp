@@ -241,6 +241,41 @@ TEST(FrfUff, ReadsBackWhatItWrote) {
   }
 }
 
+// Letters that are no ASCII became blanks, and shifted the columns behind them.
+TEST(FrfUff, NamesKeepTheirLetters) {
+  for (const auto encoding : {UffEncoding::binary, UffEncoding::text}) {
+    auto set = random_set(2, 2, 4, 5);
+    set.outputs[0].name = "Fläche l";  // in the ten columns of an entity
+    set.outputs[1].name = "Prüfstand, linke äußere Ecke";
+    set.inputs[0].name = "größe";
+    set.outputs[0].node = 4711;
+    set.outputs[1].node = 4712;
+    set.outputs[1].unit = "µm";
+    std::vector<std::string> lost;
+    const auto bytes = frf_uff(set, encoding, lost);
+    const auto found = parse_frf_uff(bytes, "t.uff").set;
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(found.outputs[i].name, set.outputs[i].name);
+      EXPECT_EQ(found.outputs[i].node, set.outputs[i].node);
+    }
+    EXPECT_EQ(found.inputs[0].name, set.inputs[0].name);
+    EXPECT_EQ(found.outputs[1].unit, "m");
+  }
+}
+
+// Other programs write Latin-1.
+TEST(FrfUff, LettersOfLatin1AreRead) {
+  Sample58 sample;
+  sample.ordinate = 8;
+  sample.response_name = "T\xFCr";
+  sample.unit = "\xB5m";
+  const auto latin = parse_frf_uff(dataset_58(sample), "t.uff").set;
+  EXPECT_EQ(latin.outputs[0].name, "Tür");
+  EXPECT_EQ(latin.outputs[0].unit, "m");
+  sample.response_name = "Tür";  // with a blank less than columns want
+  EXPECT_EQ(parse_frf_uff(dataset_58(sample), "t.uff").set.outputs[0].name, "Tür");
+}
+
 TEST(FrfUff, NamesAllThatItLeavesOut) {
   auto set = random_set(2, 1, 4, 5);
   set.averages = 8.0;

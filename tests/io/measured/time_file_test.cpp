@@ -122,6 +122,25 @@ TEST(TimeFile, MatKeepsNodesDirectionsAndPlaces) {
   }
 }
 
+// A unit such as V does not tell what is measured.
+TEST(TimeFile, MatKeepsTheQuantityThatNoUnitTells) {
+  auto data = random_recordings();
+  data.outputs[0].unit = "V";
+  data.outputs[0].kind = modal::FrfKind::accelerance;
+  for (const auto kind : {modal::FrfKind::receptance, modal::FrfKind::mobility}) {
+    data.outputs[1].kind = kind;
+    const auto back = transferred(data, "kinds.mat").back;
+    EXPECT_EQ(back.outputs[0].kind, modal::FrfKind::accelerance);
+    EXPECT_EQ(back.outputs[0].unit, "V");
+    EXPECT_EQ(back.outputs[1].kind, kind);
+  }
+  const TemporaryFile file("kinds.mat");
+  (void)write_time(file.path, data);
+  TimeOptions options;
+  options.unit = "m";  // the second output is a velocity without a unit
+  EXPECT_THROW((void)read_time(file.path, options), InvalidInput);
+}
+
 TEST(TimeFile, UffKeepsPlacesAndNamesObliqueDirections) {
   const auto data = placed_recordings();
   const auto [lost, back] = transferred(data, "placed.uff");
@@ -287,6 +306,21 @@ TEST(TimeFile, UffRefusalsNameBoth) {
     EXPECT_NE(std::string(e.what()).find("(z3) has 11"), std::string::npos) << e.what();
     EXPECT_NE(std::string(e.what()).find("(y1) has 12"), std::string::npos) << e.what();
   }
+}
+
+// Accelerations do not become displacements by a unit.
+TEST(TimeFile, UffRefusesAUnitOfAnotherQuantityThanTheFileStates) {
+  auto data = random_recordings();
+  data.outputs[0].kind = modal::FrfKind::accelerance;
+  const auto bytes = written_uff(data, UffEncoding::text);
+  EXPECT_EQ(parse_time_uff(bytes, "t.uff").data.outputs[0].kind, modal::FrfKind::accelerance);
+  TimeOptions options;
+  options.unit = "mm";
+  EXPECT_THROW((void)parse_time_uff(bytes, "t.uff", options), InvalidInput);
+  options.unit = "g";
+  const auto found = parse_time_uff(bytes, "t.uff", options).data;
+  EXPECT_EQ(found.outputs[0].unit, "m/s^2");
+  EXPECT_NEAR(found.records[0].outputs(0, 0), 9.80665 * data.records[0].outputs(0, 0), 1e-9);
 }
 
 TEST(MeasuredData, AHitIsReadAsARecording) {
