@@ -49,7 +49,8 @@ struct LeastSize {
 /// the likelihood ratio against no cause exceeds `least_evidence` plus Occam's factor
 /// ½ ln det(1 + W F W) + ln(choices) + ½ Σ (x − centre)²/width². Twice this ln is noncentral χ²
 /// with one degree of freedom per coordinate of the effect and noncentrality F x². W are the widths
-/// of the priors; a place has width √(area/2π). The effect is taken as linear in its size up to x.
+/// of the priors; that of a place is prior_width. The effect is taken as linear in its size up to
+/// x.
 /// @param information  d×d, for the columns of the probe
 [[nodiscard]] LeastSize least_size(const Structure& structure, const Effect& effect,
                                    const Probe& probe, const Eigen::MatrixXd& information,
@@ -72,6 +73,8 @@ struct Experiment {
 
 /// The looks of `diagnosed`, on the lines of its search. The first look is the search: it takes
 /// errors of the mode shapes as noise. The second is the last fit: it takes them as parameters.
+/// Both let the constants (options.constants) deviate as far as they are not known, about the
+/// study's values.
 /// @throws as diagnosed
 [[nodiscard]] Experiment experiment_of(const Structure& structure, const modal::FrfSet& measured,
                                        const DiagnosisOptions& options);
@@ -104,9 +107,9 @@ class Detector {
   std::vector<Information> looks_;
 };
 
-/// For every effect that is looked for (options.only), by the rule of a diagnosis
-/// (options.least_evidence). Cost: half a second of both cores per hundred lines of four sensors
-/// and 13 actuators.
+/// For every effect that is looked for (options.only, and not what an unknown constant already
+/// does), by the rule of a diagnosis (options.least_evidence). Cost: half a second of both cores
+/// per hundred lines of four sensors and 13 actuators.
 /// @throws as diagnosed
 [[nodiscard]] std::vector<Detectable> detectable(
     const Structure& structure, const modal::FrfSet& measured, const DiagnosisOptions& options,

@@ -123,9 +123,6 @@ struct Supposed {
 /// Radius [m] around its place in which it acts: its extent, or 0.
 [[nodiscard]] double reach_of(const Supposed& supposed, const Structure& structure);
 
-/// A size further from the centre of its prior than this many widths is not considered.
-inline constexpr double kPlausible = 6.0;
-
 /// ln of the prior density of the coordinates and of the choice. −∞ for a place outside the surface
 /// and for implausible sizes.
 [[nodiscard]] double log_prior(const Supposed& supposed, const Structure& structure);

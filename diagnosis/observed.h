@@ -44,7 +44,8 @@ struct Seen {
 [[nodiscard]] Observed widened(const Observed& observed, const Eigen::MatrixXd& variance);
 
 /// Variance of a model-form error of `response` times the level of each line. The level squared of
-/// a response is the mean square of its row times that of its column, over that of all. K×pq
+/// a response is the mean square of its row times that of its column, over that of all; where some
+/// were not measured, row and column levels that give the same sums over those that were. K×pq
 /// [m²/N²].
 [[nodiscard]] Eigen::MatrixXd model_variance(const Observed& observed, double response);
 

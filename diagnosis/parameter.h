@@ -6,6 +6,9 @@
 
 namespace chladni::diagnosis {
 
+/// A size further from the centre of its prior than this many widths is not considered.
+inline constexpr double kPlausible = 6.0;
+
 /// A parameter of an effect. The search moves its coordinate x, whose prior is normal; that of a
 /// place is uniform over the surface.
 struct Parameter {
@@ -29,13 +32,18 @@ struct Parameter {
   Role role = Role::strength;
   /// The effect vanishes at one end of this coordinate, or where it is 0.
   bool is_size = false;
-  double centre = 0.0, width = 1.0;  ///< of the prior of x
-  double step = 1e-4;                ///< of x, for finite differences
+  double centre = 0.0, width = 1.0;                       ///< of the prior of x
+  double step = 1e-4;                                     ///< of x, for finite differences
   double most = std::numeric_limits<double>::infinity();  ///< a larger x is impossible
 
   [[nodiscard]] double value(double x) const;
   [[nodiscard]] double coordinate(double value) const;
   [[nodiscard]] double value_per_coordinate(double x) const;
+  /// The values of x that are considered; all of a place, which the surface bounds.
+  struct Ends {
+    double low = 0.0, high = 0.0;
+  };
+  [[nodiscard]] Ends ends() const;
   [[nodiscard]] bool is_place() const { return role == Role::place_u || role == Role::place_v; }
   /// True for a difference, or a factor that is usually 1: no change at x = 0.
   [[nodiscard]] bool is_about_zero() const { return !is_place() && scale != Scale::logarithmic; }

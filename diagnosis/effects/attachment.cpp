@@ -72,6 +72,10 @@ double first_omega(const Structure& structure) {
   return 2.0 * std::numbers::pi * structure.frequency_hz(structure.mode_count() - 1);
 }
 
+double first_hz(const Structure& structure) {
+  return first_omega(structure) / (2.0 * std::numbers::pi);
+}
+
 std::vector<EffectStart> at_peaks(const Scene& scene, const std::vector<Eigen::VectorXd>& sizes,
                                   std::size_t peaks) {
   std::vector<EffectStart> starts;

@@ -34,6 +34,8 @@ struct Oscillator {
 /// ω₁ [rad/s] of the first mode in which the body bends: known springs hold less than half of its
 /// energy, so that a body on its suspension has about the scale that it has when it is free.
 [[nodiscard]] double first_omega(const Structure& structure);
+/// The same as a frequency [Hz].
+[[nodiscard]] double first_hz(const Structure& structure);
 /// Starts: each of `sizes` (one set of leading coordinates) at the likeliest places of the scan.
 [[nodiscard]] std::vector<EffectStart> at_peaks(const Scene& scene,
                                                 const std::vector<Eigen::VectorXd>& sizes,

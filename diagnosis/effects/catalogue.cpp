@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -71,6 +72,13 @@ double Parameter::coordinate(double of) const {
   if (scale == Scale::logarithmic || scale == Scale::factor) return std::log(of);
   if (scale == Scale::relative) return std::log1p(of);
   return of;
+}
+
+Parameter::Ends Parameter::ends() const {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  if (is_place()) return {-kInfinite, kInfinite};
+  const double far = kPlausible * width;
+  return {centre - far, std::min(centre + far, most)};
 }
 
 double Parameter::value_per_coordinate(double x) const {
@@ -155,8 +163,8 @@ double log_prior(const Supposed& supposed, const Structure& structure) {
     if (parameter.is_place()) continue;
     const double x = supposed.x(static_cast<Eigen::Index>(i));
     const double off = (x - parameter.centre) / parameter.width;
-    if (!(std::abs(off) < kPlausible) || x > parameter.most)
-      return -std::numeric_limits<double>::infinity();
+    const auto [low, high] = parameter.ends();
+    if (!(low <= x && x <= high)) return -std::numeric_limits<double>::infinity();
     sum -= 0.5 * off * off + std::log(parameter.width * std::sqrt(2.0 * std::numbers::pi));
   }
   const auto place = place_of(supposed, structure);

@@ -9,7 +9,7 @@ namespace {
 using Eigen::VectorXd;
 
 std::vector<Parameter> mass_frequency_damping(const Structure& structure) {
-  const double typical_hz = structure.frequency_hz(structure.rigid_count);
+  const double typical_hz = first_hz(structure);
   return oscillator_parameters(10.0 * structure.mass_kg, typical_hz, 1.5);
 }
 

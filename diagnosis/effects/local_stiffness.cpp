@@ -52,26 +52,40 @@ double profile(double d2, double radius) {
   return t < 6.0 ? std::exp(-0.25 * std::numbers::pi * t * t) : 0.0;
 }
 
-// Mean of the profile over each cell, from three points along each side; one if a cell spans it.
-VectorXd within(const FineCells& fine, const VectorXd& x) {
+// Points of a cell along an axis, from its centre: three, or many where the cell spans the body.
+VectorXd points_along(const Structure& structure, Index axis) {
+  constexpr Index kAcross = 48;  // two for each radius of the smallest patch on the widest line
+  const double pitch = structure.fine.pitch(axis);
+  const Index count = pitch > 0.0 ? 3 : kAcross;
+  const double side = pitch > 0.0 ? pitch : structure.cells.size(axis);
+  const double part = side / static_cast<double>(count);
+  return VectorXd::LinSpaced(count, 0.5 * (part - side), 0.5 * (side - part));
+}
+
+// Mean of the profile over each cell.
+VectorXd within(const Structure& structure, const VectorXd& x) {
+  const auto& fine = structure.fine;
   const double radius = std::max(std::exp(x(3)), 0.5 * fine.pitch.maxCoeff());
-  const double reach = std::sqrt(6.0) * radius + fine.pitch.maxCoeff();
+  const VectorXd along_u = points_along(structure, 0);
+  const VectorXd along_v = points_along(structure, 1);
+  const Eigen::Array2d half(along_u.maxCoeff(), along_v.maxCoeff());
   VectorXd weight = VectorXd::Zero(fine.count());
   for (Index c = 0; c < fine.count(); ++c) {
-    const Eigen::RowVector2d from = fine.centres.row(c) - Eigen::RowVector2d(x(1), x(2));
-    if (from.squaredNorm() > reach * reach) continue;
-    for (int n = 0; n < 9; ++n) {
-      const Eigen::Array2d shift(n / 3 - 1, n % 3 - 1);
-      const Eigen::RowVector2d by = (shift * fine.pitch.array() / 3.0).matrix().transpose();
-      weight(c) += profile((from + by).squaredNorm(), radius) / 9.0;
+    const Eigen::Vector2d from = fine.centres.row(c).transpose() - x.segment<2>(1);
+    const Eigen::Vector2d nearest = (from.array().abs() - half).max(0.0);
+    if (nearest.squaredNorm() > 6.0 * radius * radius) continue;
+    for (const double u : along_u) {
+      for (const double v : along_v) {
+        weight(c) += profile((from + Eigen::Vector2d(u, v)).squaredNorm(), radius);
+      }
     }
   }
-  return weight;
+  return weight / static_cast<double>(along_u.size() * along_v.size());
 }
 
 std::function<void(State&)> softening(const Structure& structure, Index /*option*/,
                                       const VectorXd& x) {
-  const VectorXd weight = std::expm1(x(0)) * within(structure.fine, x);
+  const VectorXd weight = std::expm1(x(0)) * within(structure, x);
   return
       [by = sum_of(structure.fine.stiffness, weight)](State& state) { add_stiffness(state, by); };
 }

@@ -9,7 +9,7 @@ namespace {
 using Eigen::VectorXd;
 
 std::vector<Parameter> oscillator_and_place(const Structure& structure) {
-  const double typical_hz = structure.frequency_hz(structure.rigid_count);
+  const double typical_hz = first_hz(structure);
   auto parameters = oscillator_parameters(0.01 * structure.mass_kg, 2.0 * typical_hz, 1.2);
   parameters.push_back(place_u(structure));
   parameters.push_back(place_v(structure));

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "diagnosis/effects/attachment.h"
 #include "diagnosis/effects/entries.h"
 #include "diagnosis/search/scene.h"
 
@@ -10,12 +11,12 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// A suspension that is stiffer than this part of the body's first mode holds no whole: the body gives
-// way first.
+// A suspension that is stiffer than this part of the body's first mode holds no whole: the body
+// gives way first.
 constexpr double kStiffest = 0.7;
 
 std::vector<Parameter> frequency_and_damping(const Structure& structure) {
-  const double typical_hz = 0.1 * structure.frequency_hz(structure.rigid_count);
+  const double typical_hz = 0.1 * first_hz(structure);
   return {{.name = "frequency",
            .unit = "Hz",
            .scale = Parameter::Scale::logarithmic,

@@ -77,7 +77,9 @@ void step(const Structure& structure, Fit& fit, const std::vector<Column>& colum
           const VectorXd& by) {
   const auto before = fit.causes;
   for (std::size_t n = 0; n < columns.size(); ++n) {
-    fit.causes[columns[n].cause].x(columns[n].coordinate) += by(static_cast<Index>(n));
+    const auto [low, high] = columns[n].parameter.ends();
+    auto& x = fit.causes[columns[n].cause].x(columns[n].coordinate);
+    x = std::clamp(x + by(static_cast<Index>(n)), low, high);
   }
   fit.eta += by.tail(fit.eta.size());
   for (std::size_t c = 0; c < before.size(); ++c) {
@@ -132,15 +134,23 @@ std::optional<Point> reached(const Problem& problem, Fit fit) {
   }
 }
 
-// Indices of place coordinates at the rim of the surface that the step would move off it.
-std::vector<Index> held_by_the_rim(const Structure& structure, const Fit& fit,
-                                   const std::vector<Column>& columns, const VectorXd& by) {
+bool is_at_an_end(const Fit& fit, const Column& column, double forward) {
+  const double x = fit.causes[column.cause].x(column.coordinate);
+  const auto [low, high] = column.parameter.ends();
+  return forward < 0.0 ? x <= low : x >= high;
+}
+
+// Indices of the coordinates that cannot follow the step: places at the rim of the surface, sizes
+// at the end of what is plausible.
+std::vector<Index> held_by_ends(const Structure& structure, const Fit& fit,
+                                const std::vector<Column>& columns, const VectorXd& by) {
   std::vector<Index> held;
   for (std::size_t n = 0; n < columns.size(); ++n) {
     const double forward = by(static_cast<Index>(n));
-    if (!columns[n].parameter.is_place() || forward == 0.0) continue;
+    if (forward == 0.0) continue;
     const auto [minus, plus] = sides(structure, fit.causes[columns[n].cause], columns[n]);
-    if ((forward < 0.0 ? minus : plus) == 0.0) held.push_back(static_cast<Index>(n));
+    const bool at_rim = (forward < 0.0 ? minus : plus) == 0.0;
+    if (at_rim || is_at_an_end(fit, columns[n], forward)) held.push_back(static_cast<Index>(n));
   }
   return held;
 }
@@ -151,7 +161,7 @@ bool descended(const Problem& problem, const std::vector<Column>& columns, doubl
   bool taken = false;
   for (int attempt = 0; attempt < 8 && !taken && !here.fit.converged; ++attempt) {
     VectorXd by = quadratic.step(lambda);
-    const auto held = held_by_the_rim(problem.structure, here.fit, columns, by);
+    const auto held = held_by_ends(problem.structure, here.fit, columns, by);
     if (!held.empty()) by = quadratic.held(held).step(lambda);
     Fit next = here.fit;
     step(problem.structure, next, columns, by);
@@ -165,23 +175,21 @@ bool descended(const Problem& problem, const std::vector<Column>& columns, doubl
   return taken;
 }
 
-// Fall of the objective that a full Newton step promises, with places kept on the surface.
-double promised(const Problem& problem, const std::vector<Column>& columns,
-                const Quadratic& quadratic, const Fit& fit) {
-  const VectorXd by = quadratic.step(0.0);
-  const auto held = held_by_the_rim(problem.structure, fit, columns, by);
-  if (held.empty()) return quadratic.promised(by);
+// Fall of the objective that a full Newton step promises without the coordinates that are held.
+double promised(const Quadratic& quadratic, const std::vector<Index>& held) {
+  if (held.empty()) return quadratic.promised(quadratic.step(0.0));
   const Quadratic rest = quadratic.held(held);
   return rest.promised(rest.step(0.0));
 }
 
-// A place that the data do not determine is somewhere on the surface, and no wider.
+// A place that the data do not determine is somewhere on the surface, and no wider: also where only
+// some combination with another number is undetermined.
 void bound_places(const Structure& structure, const std::vector<Column>& columns,
                   MatrixXd& curvature) {
   for (std::size_t n = 0; n < columns.size(); ++n) {
     if (!columns[n].parameter.is_place()) continue;
-    auto& own = curvature.diagonal()(static_cast<Index>(n));
-    own = std::max(own, std::pow(prior_width(structure, columns[n].parameter), -2));
+    curvature.diagonal()(static_cast<Index>(n)) +=
+        std::pow(prior_width(structure, columns[n].parameter), -2);
   }
 }
 
@@ -204,6 +212,23 @@ void conclude(const MatrixXd& curvature, Fit& fit) {
   fit.covariance = scale.asDiagonal() * dense::inverse_of(factor) * scale.asDiagonal();
   fit.log_evidence =
       -fit.objective + 0.5 * coordinates * std::log(2.0 * std::numbers::pi) - 0.5 * log_determinant;
+}
+
+// The integral ends where sizes are no longer plausible: beyond a fit near such an end, or at it,
+// on the side on which the density falls.
+void cut_at_ends(const VectorXd& gradient, const std::vector<Column>& columns,
+                 const std::vector<Index>& held, Fit& fit) {
+  for (Index n = 0; n < std::ssize(columns); ++n) {
+    const auto& [cause, coordinate, parameter] = columns[at(n)];
+    if (parameter.is_place()) continue;
+    const auto [low, high] = parameter.ends();
+    const double x = fit.causes[cause].x(coordinate);
+    const bool is_held = std::ranges::find(held, n) != held.end();
+    fit.log_evidence +=
+        log_part_before_an_end({.distance = is_held ? 0.0 : std::min(x - low, high - x),
+                                .slope = is_held ? std::abs(gradient(n)) : 0.0,
+                                .deviation = std::sqrt(fit.covariance(n, n))});
+  }
 }
 
 // States about a fit, in which one coordinate of a cause or one deviation is moved.
@@ -357,10 +382,12 @@ Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits) {
   }
   here.fit.iterations = iteration;
   if (!is_here && !hopeless) quadratic = quadratic_at(problem, here, columns);
-  here.fit.promise = hopeless ? 0.0 : promised(problem, columns, quadratic, here.fit);
+  const auto held = held_by_ends(problem.structure, here.fit, columns, quadratic.step(0.0));
+  here.fit.promise = hopeless ? 0.0 : promised(quadratic, held);
   here.fit.converged = !hopeless && here.fit.promise < kConstants.nothing_more;
   bound_places(problem.structure, columns, quadratic.curvature);
   conclude(quadratic.curvature, here.fit);
+  cut_at_ends(quadratic.gradient, columns, held, here.fit);
   return here.fit;
 }
 

@@ -12,9 +12,38 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+namespace {
+
+// Length of the surface along an axis over that along the other one: of its box, and of the places
+// of its scan where the body has no parts.
+double slenderness(const Structure& structure, Index axis) {
+  const auto& places = structure.surface.places;
+  Eigen::Vector2d sides = structure.cells.size;
+  if (!(sides.minCoeff() > 0.0)) sides = places.colwise().maxCoeff() - places.colwise().minCoeff();
+  return sides.minCoeff() > 0.0 ? sides(axis) / sides(1 - axis) : 1.0;
+}
+
+}  // namespace
+
 double prior_width(const Structure& structure, const Parameter& parameter) {
   if (!parameter.is_place()) return parameter.width;
-  return std::sqrt(structure.surface.area.sum() / (2.0 * std::numbers::pi));
+  const double area = structure.surface.area.sum();
+  const Index axis = parameter.role == Parameter::Role::place_u ? 0 : 1;
+  return std::sqrt(area * slenderness(structure, axis) / (2.0 * std::numbers::pi));
+}
+
+MatrixXd tolerated_variance(const Problem& problem, const Fit& fit, const Solved& now) {
+  const MatrixXd jacobian =
+      sensitivities(problem, fit.causes, fit.eta, now).rightCols(fit.eta.size());
+  const Index n = problem.observed.value.size();
+  // The rows are weighted; each is the real or the imaginary part of one response.
+  const VectorXd power = jacobian.rowwise().squaredNorm();
+  const Eigen::ArrayXXd weight2 = problem.observed.weight.array().square();
+  const Eigen::ArrayXXd sum =
+      (power.head(n) + power.tail(n))
+          .reshaped(problem.observed.value.rows(), problem.observed.value.cols())
+          .array();
+  return (weight2 > 0.0).select(sum / weight2.max(1e-300), 0.0);
 }
 
 Information::Information(const Problem& problem, const Observed& slopes) {

@@ -39,8 +39,16 @@ class Information {
   Eigen::MatrixXd jacobian_, factor_;  ///< Jᵀ, n×N; n×n: of JᵀJ + 1, lower
 };
 
+/// Variance of the responses by the tolerances about a fit: Σ |d value / d eta|² over the
+/// deviations, K×pq [m²/N²]; 0 where not measured.
+/// @param now  the responses of the fit
+/// Cost: a slope per coordinate and deviation
+[[nodiscard]] Eigen::MatrixXd tolerated_variance(const Problem& problem, const Fit& fit,
+                                                 const Solved& now);
+
 /// Width of the prior of a coordinate, as a standard deviation. For a place: √(area / 2π) in each
-/// direction, so that the density at the centre of a normal prior is 1 / area.
+/// direction, longer along the longer side and shorter along the other in the ratio of the sides,
+/// so that the density at the centre of a normal prior is 1 / area.
 [[nodiscard]] double prior_width(const Structure& structure, const Parameter& parameter);
 
 }  // namespace chladni::diagnosis

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "base/error.h"
 #include "base/index.h"
@@ -95,6 +96,28 @@ void fill(Observed& observed, const modal::FrfSet& set, const std::vector<Index>
   }
 }
 
+// Levels of rows and columns whose product is as large as the measured power, in the sum over each
+// row and each column. Where all was measured: row sum times column sum over the whole sum.
+// Otherwise by proportional fitting, the model of quasi-independence (Goodman, J. Am. Stat. Assoc.
+// 63, 1968).
+std::pair<Eigen::VectorXd, Eigen::VectorXd> levels_of(const Eigen::MatrixXd& power,
+                                                      const Eigen::MatrixXd& known) {
+  constexpr int kMostRounds = 50;
+  constexpr double kRounding = 1e-9;  // of a round that changes nothing any more
+  const auto over = [](const Eigen::VectorXd& sum, const Eigen::VectorXd& weight) {
+    return Eigen::VectorXd((weight.array() > 0.0).select(sum.array() / weight.array(), 0.0));
+  };
+  Eigen::VectorXd columns = Eigen::VectorXd::Ones(power.cols());
+  Eigen::VectorXd rows = over(power.rowwise().sum(), known * columns);
+  for (int round = 0; round < kMostRounds; ++round) {
+    columns = over(power.colwise().sum().transpose(), known.transpose() * rows);
+    const Eigen::VectorXd before = rows;
+    rows = over(power.rowwise().sum(), known * columns);
+    if ((rows - before).norm() <= kRounding * rows.norm()) break;
+  }
+  return {rows, columns};
+}
+
 }  // namespace
 
 Seen seen(const Structure& structure, const modal::FrfSet& measured, double high_hz) {
@@ -137,11 +160,14 @@ Observed widened(const Observed& observed, const Eigen::MatrixXd& variance) {
 Eigen::MatrixXd model_variance(const Observed& observed, double response) {
   Eigen::MatrixXd variance(observed.value.rows(), observed.value.cols());
   for (Index k = 0; k < observed.line_count(); ++k) {
+    const Eigen::MatrixXd known = (observed.weight.row(k).array() > 0.0)
+                                      .cast<double>()
+                                      .reshaped(observed.outputs, observed.inputs);
     const Eigen::MatrixXd power =
         observed.value.row(k).cwiseAbs2().reshaped(observed.outputs, observed.inputs);
-    const double factor = response * response / std::max(power.mean(), 1e-300);
+    const auto [of_outputs, of_inputs] = levels_of(power.cwiseProduct(known), known);
     variance.row(k) =
-        (factor * power.rowwise().mean() * power.colwise().mean()).reshaped().transpose();
+        (response * response * of_outputs * of_inputs.transpose()).reshaped().transpose();
   }
   return variance;
 }

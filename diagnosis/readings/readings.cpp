@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -57,31 +58,66 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+// The bands of a response of which at least half was measured.
+struct BandsMeasured {
+  std::vector<Index> bands;
+  VectorXd part;  // of each of them
+
+  [[nodiscard]] Index count() const { return part.size(); }
+};
+
+std::vector<BandsMeasured> bands_measured(const Observed& observed, const Bands& bands) {
+  const MatrixXd part = bands.average * (observed.weight.array() > 0.0).cast<double>().matrix();
+  std::vector<BandsMeasured> each(at(part.cols()));
+  for (Index c = 0; c < part.cols(); ++c) {
+    auto& own = each[at(c)].bands;
+    for (Index b = 0; b < part.rows(); ++b) {
+      if (part(b, c) >= 0.5) own.push_back(b);
+    }
+    each[at(c)].part = part(own, c);
+  }
+  return each;
+}
+
 // Measured responses beside those of a model, whose channels are put right one after the other.
+// What was not measured tells nothing of either.
 class Read {
  public:
   Read(const Observed& observed, const Bands& bands, MatrixXcd model)
-      : observed_(&observed), bands_(&bands), model_(std::move(model)) {
+      : observed_(&observed),
+        bands_(&bands),
+        model_(std::move(model)),
+        known_(bands_measured(observed, bands)) {
     measured_ = masked(observed.value);
     model_ = masked(model_);
-    distance_ = VectorXd(model_.cols());
-    for (Index c = 0; c < model_.cols(); ++c) distance_(c) = pair(c, model_.col(c)).distance(1.0);
+    distance_ = VectorXd::Zero(model_.cols());
+    for (Index c = 0; c < model_.cols(); ++c) {
+      if (is_measured(c)) distance_(c) = pair(c, model_.col(c)).distance(1.0);
+    }
   }
 
   /// −ln of the density of all responses.
   [[nodiscard]] double misfit() const {
     double sum = 0.0;
-    for (const double d : distance_) sum += misfit_of(d, bands_->omega.size(), kBands);
+    for (Index c = 0; c < model_.cols(); ++c) {
+      if (is_measured(c)) sum += now(c);
+    }
     return sum;
   }
   /// The median distance of all responses.
-  [[nodiscard]] double distance() const { return median({distance_.begin(), distance_.end()}); }
+  [[nodiscard]] double distance() const {
+    std::vector<double> all;
+    for (Index c = 0; c < model_.cols(); ++c) {
+      if (is_measured(c)) all.push_back(distance_(c));
+    }
+    return all.empty() ? 0.0 : median(std::move(all));
+  }
 
   /// The best reading of these channels; none if that as it is does.
   [[nodiscard]] std::optional<Reading> best(const ChannelsRead& read) const {
     const auto columns = columns_of(read);
     double possible = -kConstants.least_evidence;
-    for (const auto c : columns) possible += now(c) - least_misfit(bands_->omega.size());
+    for (const auto c : columns) possible += now(c) - least_misfit(known_[at(c)].count());
     if (!(possible > 0.0)) return std::nullopt;
     Reading best;
     for (const auto& shape : read.shapes) {
@@ -108,23 +144,50 @@ class Read {
     return (observed_->weight.array() > 0.0)
         .select(value, MatrixXcd::Zero(value.rows(), value.cols()));
   }
-  [[nodiscard]] double now(Index c) const {
-    return misfit_of(distance_(c), bands_->omega.size(), kBands);
+  [[nodiscard]] bool is_measured(Index c) const { return known_[at(c)].count() > 0; }
+  [[nodiscard]] double misfit_at(Index c, double distance) const {
+    return misfit_of(distance, known_[at(c)].count(), kBands);
   }
+  [[nodiscard]] double now(Index c) const { return misfit_at(c, distance_(c)); }
   [[nodiscard]] BandPair pair(Index c, const Eigen::VectorXcd& model) const {
-    return {bands_->average * measured_.col(c), bands_->average * model};
+    const auto& known = known_[at(c)];
+    const auto averaged = [&](const Eigen::VectorXcd& value) -> Eigen::VectorXcd {
+      const Eigen::VectorXcd all = bands_->average * value;
+      return all(known.bands).array() / known.part.array();
+    };
+    return {averaged(measured_.col(c)), averaged(model)};
   }
-  // Responses of the channels, channel by channel.
+  // Responses of a channel that were measured.
+  [[nodiscard]] std::vector<Index> columns_of(const ChannelsRead& read, Index channel) const {
+    std::vector<Index> columns;
+    const Index others = read.sensors ? observed_->inputs : observed_->outputs;
+    for (Index o = 0; o < others; ++o) {
+      const Index c =
+          read.sensors ? channel + observed_->outputs * o : o + observed_->outputs * channel;
+      if (is_measured(c)) columns.push_back(c);
+    }
+    return columns;
+  }
+  // Those of all its channels, channel by channel.
   [[nodiscard]] std::vector<Index> columns_of(const ChannelsRead& read) const {
     std::vector<Index> columns;
     for (const auto channel : read.channels) {
-      const Index others = read.sensors ? observed_->inputs : observed_->outputs;
-      for (Index o = 0; o < others; ++o) {
-        columns.push_back(read.sensors ? channel + observed_->outputs * o
-                                       : o + observed_->outputs * channel);
-      }
+      const auto own = columns_of(read, channel);
+      columns.insert(columns.end(), own.begin(), own.end());
     }
     return columns;
+  }
+  // What each channel that was measured gains; the sum over its columns of `gains`.
+  [[nodiscard]] std::vector<double> of_channels(const ChannelsRead& read,
+                                                const std::vector<double>& gains) const {
+    std::vector<double> sums;
+    auto gain = gains.begin();
+    for (const auto channel : read.channels) {
+      const auto count = std::ssize(columns_of(read, channel));
+      if (count > 0) sums.push_back(std::accumulate(gain, gain + count, 0.0));
+      gain += count;
+    }
+    return sums;
   }
   // Each of the channels must gain by itself, and the model must then explain the averages. A delay
   // alone is no reading: what hangs on the body, or a low-pass, looks alike in wide averages.
@@ -134,18 +197,16 @@ class Read {
     const auto is_choice = [](const Supposed& cause) { return cause.x.size() == 0; };
     if (scale.causes.empty() && std::ranges::none_of(shape.causes, is_choice)) return;
     const double factor = scale.factor(0).real();
-    const std::size_t each = columns.size() / read.channels.size();
     std::vector<double> distances;
-    std::vector<double> gains(read.channels.size(), 0.0);
+    std::vector<double> gains;
     for (std::size_t n = 0; n < columns.size(); ++n) {
       distances.push_back(pairs[n].distance(factor));
-      gains[n / each] +=
-          now(columns[n]) - misfit_of(distances.back(), bands_->omega.size(), kBands);
+      gains.push_back(now(columns[n]) - misfit_at(columns[n], distances.back()));
     }
     const auto parts = static_cast<double>(shape.causes.size() + scale.causes.size());
-    double gain = -kConstants.least_evidence * parts;
-    for (const double one : gains) gain += one;
-    if (gain <= best.gain || std::ranges::min(gains) <= 0.0) return;
+    const double gain =
+        std::accumulate(gains.begin(), gains.end(), -kConstants.least_evidence * parts);
+    if (gain <= best.gain || std::ranges::min(of_channels(read, gains)) <= 0.0) return;
     if (median(distances) > kChosen.most_distance) return;
     best.causes = scale.causes;
     best.causes.insert(best.causes.end(), shape.causes.begin(), shape.causes.end());
@@ -155,8 +216,9 @@ class Read {
 
   const Observed* observed_;
   const Bands* bands_;
-  MatrixXcd measured_, model_;  // K×pq
-  VectorXd distance_;           // pq
+  MatrixXcd measured_, model_;        // K×pq
+  std::vector<BandsMeasured> known_;  // pq
+  VectorXd distance_;                 // pq; 0 where not measured
 };
 
 // Readings beside one shift of the model's frequencies.

@@ -138,6 +138,17 @@ Observed weighted_as(const Observed& all, Observed part) {
   return part;
 }
 
+Experiment experiment_with(const Structure& structure, const modal::FrfSet& measured,
+                           const DiagnosisOptions& options, const Calibration& calibration) {
+  const auto given = prepared_with(structure, measured, options, calibration);
+  Experiment experiment{given.structure, {}};
+  experiment.looks.push_back({given.for_search(options.lines), given.tolerable});
+  if (given.shapes.empty()) return experiment;
+  const auto& lines = experiment.looks.front().observed;
+  experiment.looks.push_back({weighted_as(given.observed, lines), given.all_deviations()});
+  return experiment;
+}
+
 }  // namespace
 
 double noncentrality(double threshold, double dof, double power) {
@@ -173,13 +184,7 @@ LeastSize least_size(const Structure& structure, const Effect& effect, const Pro
 
 Experiment experiment_of(const Structure& structure, const modal::FrfSet& measured,
                          const DiagnosisOptions& options) {
-  const auto given = prepared(structure, measured, options.tolerances);
-  Experiment experiment{given.structure, {}};
-  experiment.looks.push_back({given.for_search(options.lines), given.tolerable});
-  if (given.shapes.empty()) return experiment;
-  const auto& lines = experiment.looks.front().observed;
-  experiment.looks.push_back({weighted_as(given.observed, lines), given.all_deviations()});
-  return experiment;
+  return experiment_with(structure, measured, options, calibration_of(structure, options));
 }
 
 Detector::Detector(const Experiment& experiment, const DetectableOptions& options)
@@ -269,9 +274,11 @@ std::vector<Detectable> detectable(const Structure& structure, const modal::FrfS
   DetectableOptions own;
   own.places = places;
   own.least_evidence = options.least_evidence;
-  const auto experiment = experiment_of(structure, measured, options);
+  const auto calibration = calibration_of(structure, options);
+  const auto experiment = experiment_with(structure, measured, options, calibration);
   const Detector detector(experiment, own);
-  const auto catalogue = catalogue_of(options);
+  const auto catalogue =
+      sought_beside(calibration.constants, catalogue_of(options), *experiment.structure);
   std::vector<std::vector<Detectable>> each(catalogue.size());
   const dense::OneBlasThread one_thread;
   parallel_tasks(each.size(), [&](std::size_t n) {

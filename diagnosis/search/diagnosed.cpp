@@ -70,7 +70,7 @@ std::string note_on_places(const Structure& structure, const Explanation& explan
          "thing that is spread out, which the catalogue lacks";
 }
 
-// The diagnosis without its notes.
+// The diagnosis without its notes, and without the next measurement, which needs the last verdict.
 Diagnosis told_of(const Problem& problem, const Found& found, const DiagnosisOptions& options) {
   auto explained = explanations(problem, found, options.rival_within);
   Diagnosis diagnosis;
@@ -82,9 +82,6 @@ Diagnosis told_of(const Problem& problem, const Found& found, const DiagnosisOpt
   const auto& best = found.fits[explained.front().fit];
   diagnosis.after = residue(problem, best);
   diagnosis.map = map_of(problem, best);
-  if (diagnosis.verdict != Verdict::no_discrepancy && explained.size() > 1) {
-    diagnosis.measure_next = measure_next(problem, best, found.fits[explained[1].fit]);
-  }
   diagnosis.breaches = breaches_of(problem, best);
   if (diagnosis.verdict == Verdict::unexplained || diagnosis.verdict == Verdict::partial) {
     tell(options.progress, "where the unknown acts");
@@ -111,34 +108,6 @@ std::string tested_on_held_out(const Prepared& given, const Problem& problem, co
     diagnosis.superclass = superclass(problem, found.nothing);
   }
   return note;
-}
-
-// Constants that are calibrated in every hypothesis, and where their fits start.
-struct Calibration {
-  std::vector<HeldConstant> constants;
-  Eigen::VectorXd start;
-  std::vector<std::string> notes;
-};
-
-Calibration calibration_of(const Structure& structure, const DiagnosisOptions& options,
-                           const FitStart& start) {
-  Calibration calibration;
-  calibration.constants =
-      held_constants(structure, options.constants, options.tolerances, calibration.notes);
-  calibration.start = start_of(calibration.constants, start.constants);
-  return calibration;
-}
-
-// The data with the constants as the last of the deviations that are no shapes.
-Prepared prepared_with(const Structure& structure, const modal::FrfSet& measured,
-                       const DiagnosisOptions& options, const Calibration& calibration) {
-  auto given = prepared(structure, measured,
-                        tolerances_left(calibration.constants, options.tolerances).tolerances);
-  for (auto& constant :
-       constant_deviations(*given.structure, calibration.constants, calibration.start)) {
-    given.tolerable.push_back(std::move(constant));
-  }
-  return given;
 }
 
 void tell_fitted_constants(const Prepared& given, const Calibration& calibration, const Fit& best,
@@ -202,6 +171,7 @@ Diagnosis looked_at(const Prepared& given, const Calibration& calibration,
   const Observed coarse = given.for_search(options.lines);
   const Problem problem{*given.structure, coarse, given.tolerable, given.solver_error};
   Diagnosis diagnosis = told_of(problem, found, options);
+  diagnosis.measure_next = measure_next(problem, found, diagnosis);
   tell_fitted_constants(given, calibration, found.fits[diagnosis.best.fit], diagnosis);
   diagnosis.notes = diagnosis.data_notes = data_notes_of(given, calibration, measured);
   return diagnosis;
@@ -229,7 +199,7 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
 Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
                     const DiagnosisOptions& options, const FitStart& start) {
   const dense::OneBlasThread one_thread;  // the tasks of the search run in parallel instead
-  const auto calibration = calibration_of(structure, options, start);
+  const auto calibration = calibration_of(structure, options, start.constants);
   const auto given = prepared_with(structure, measured, options, calibration);
   const Found first = searched_in(given, calibration, start.modes, options);
   if (options.is_look) return looked_at(given, calibration, measured, first, options);
@@ -254,6 +224,7 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
     notes.push_back(doubt(*given.structure, best,
                           searched_in(other, calibration, start.modes, options), diagnosis));
   }
+  diagnosis.measure_next = measure_next(problem, found, diagnosis);
   std::erase(notes, "");
   diagnosis.notes = std::move(notes);
   diagnosis.data_notes = data_notes_of(given, calibration, measured);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace chladni::diagnosis {
@@ -40,5 +42,24 @@ struct Quadratic {
     curvature(i, i) += precision;
   }
 };
+
+/// A normal density that is cut.
+struct Cut {
+  double distance = 0.0;   ///< from the mode to the end; or 0
+  double slope = 0.0;      ///< at the end, where the mode lies beyond it: of −ln of the density
+  double deviation = 1.0;  ///< without the cut
+};
+
+/// ln of the part of the integral that is left: ∫ exp(−slope u − ½ (u / deviation)²) du over
+/// u > −distance, over that of slope 0 over all u. One of slope and distance is 0.
+[[nodiscard]] inline double log_part_before_an_end(const Cut& cut) {
+  constexpr double kEnough = 20.0;  // from here on exp(x²) erfc(x) by its series
+  if (cut.slope == 0.0) {
+    return std::log1p(-0.5 * std::erfc(cut.distance / cut.deviation / std::numbers::sqrt2));
+  }
+  const double x = cut.slope * cut.deviation / std::numbers::sqrt2;
+  if (x < kEnough) return x * x + std::log(0.5 * std::erfc(x));
+  return std::log(0.5 * std::numbers::inv_sqrtpi / x) - 0.5 / (x * x);
+}
 
 }  // namespace chladni::diagnosis

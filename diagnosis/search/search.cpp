@@ -13,6 +13,7 @@
 #include "dense/blas.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/fit/deviations.h"
+#include "diagnosis/fit/information.h"
 #include "diagnosis/readings/readings.h"
 #include "diagnosis/search/elsewhere.h"
 #include "diagnosis/search/hints.h"
@@ -27,7 +28,6 @@ namespace chladni::diagnosis {
 namespace {
 
 using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // A possible further cause, with its misfit in a scene.
@@ -39,20 +39,6 @@ struct Candidate {
 };
 
 double numbers(const Problem& problem) { return problem.observed.number_count(); }
-
-// Σ |d value / d eta|² over the deviations, K×pq.
-MatrixXd widening(const Problem& problem, const Fit& fit, const Solved& now) {
-  const MatrixXd jacobian = sensitivities(problem, {}, fit.eta, now);
-  const Index n = problem.observed.value.size();
-  // The rows are weighted; each is the real or the imaginary part of one response.
-  const VectorXd power = jacobian.rowwise().squaredNorm();
-  const Eigen::ArrayXXd weight2 = problem.observed.weight.array().square();
-  const Eigen::ArrayXXd sum =
-      (power.head(n) + power.tail(n))
-          .reshaped(problem.observed.value.rows(), problem.observed.value.cols())
-          .array();
-  return (weight2 > 0.0).select(sum / weight2.max(1e-300), 0.0);
-}
 
 struct Level {
   const Problem& problem;
@@ -71,7 +57,7 @@ std::vector<Candidate> looked_at(const Level& level, const Fit& base, bool nomin
   const Problem coarse{level.problem.structure, few, level.problem.deviations};
   const State state = state_of(coarse, seen.causes, seen.eta);
   const Solved now = solved(state, Body(state, few.omega));
-  const Scene scene(coarse.structure, few, state, widening(coarse, seen, now));
+  const Scene scene(coarse.structure, few, state, tolerated_variance(coarse, seen, now));
   std::vector<std::vector<Candidate>> each(level.catalogue.size());
   const auto caller = std::this_thread::get_id();
   parallel_tasks(each.size(), [&](std::size_t e) {

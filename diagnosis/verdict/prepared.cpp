@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "diagnosis/constants.h"
+#include "diagnosis/verdict/constants_fitted.h"
 
 namespace chladni::diagnosis {
 
@@ -40,6 +41,26 @@ Prepared prepared(const Structure& structure, const modal::FrfSet& measured,
           std::move(shapes),
           tolerances.response,
           kConstants.cause_over_response * tolerances.response};
+}
+
+Calibration calibration_of(const Structure& structure, const DiagnosisOptions& options,
+                           const std::vector<CalibratedNumber>& start) {
+  Calibration calibration;
+  calibration.constants =
+      held_constants(structure, options.constants, options.tolerances, calibration.notes);
+  calibration.start = start_of(calibration.constants, start);
+  return calibration;
+}
+
+Prepared prepared_with(const Structure& structure, const modal::FrfSet& measured,
+                       const DiagnosisOptions& options, const Calibration& calibration) {
+  auto given = prepared(structure, measured,
+                        tolerances_left(calibration.constants, options.tolerances).tolerances);
+  for (auto& constant :
+       constant_deviations(*given.structure, calibration.constants, calibration.start)) {
+    given.tolerable.push_back(std::move(constant));
+  }
+  return given;
 }
 
 }  // namespace chladni::diagnosis

@@ -7,6 +7,7 @@
 
 #include "diagnosis/diagnosed.h"
 #include "diagnosis/fit/deviations.h"
+#include "diagnosis/modes/calibration/constants_held.h"
 #include "diagnosis/observed.h"
 
 namespace chladni::diagnosis {
@@ -30,5 +31,26 @@ struct Prepared {
 /// @throws as diagnosed
 [[nodiscard]] Prepared prepared(const Structure& structure, const modal::FrfSet& measured,
                                 const Tolerances& tolerances);
+
+/// Constants that are calibrated in every hypothesis, and where their fits start.
+struct Calibration {
+  std::vector<HeldConstant> constants;
+  Eigen::VectorXd start;  ///< ln of each over the study's
+  std::vector<std::string> notes;
+};
+
+/// Those of `options.constants` that the structure can show.
+/// @param start  as FitStart::constants
+/// @throws as held_constants
+[[nodiscard]] Calibration calibration_of(const Structure& structure,
+                                         const DiagnosisOptions& options,
+                                         const std::vector<CalibratedNumber>& start = {});
+
+/// The data with the constants as the last of the deviations that are no shapes, instead of the
+/// tolerances that they take over.
+/// @throws as diagnosed
+[[nodiscard]] Prepared prepared_with(const Structure& structure, const modal::FrfSet& measured,
+                                     const DiagnosisOptions& options,
+                                     const Calibration& calibration);
 
 }  // namespace chladni::diagnosis

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "diagnosis/constants.h"
+#include "diagnosis/fit/information.h"
 #include "diagnosis/search/simpler.h"
 #include "diagnosis/verdict/cause_of.h"
 
@@ -239,10 +240,27 @@ void put_first(const Problem& problem, const Found& found, std::size_t which,
   front.log_evidence = std::max(front.log_evidence, evidence);
 }
 
+// Shorter side [m] of a rectangle of the same area and slenderness as the surface.
+double shorter_side(const Structure& structure) {
+  const double u =
+      prior_width(structure, {.name = "u", .unit = "m", .role = Parameter::Role::place_u});
+  const double v =
+      prior_width(structure, {.name = "v", .unit = "m", .role = Parameter::Role::place_v});
+  return std::sqrt(2.0 * std::numbers::pi) * std::min(u, v);
+}
+
+// Area [m²] of a disc within a strip, about the middle of the strip.
+double area_around(double radius, double strip) {
+  const double half = 0.5 * strip;
+  if (radius <= half) return std::numbers::pi * radius * radius;
+  return 2.0 * (half * std::sqrt(radius * radius - half * half) +
+                radius * radius * std::asin(half / radius));
+}
+
 // Share of the surface that is as near to one cause as the other; 1 if they are not of one kind.
 double share_as_near(const Structure& structure, const Cause& cause, const Cause& other) {
   if (!cause.place || !other.place || cause.effect != other.effect) return 1.0;
-  const double around = std::numbers::pi * (*cause.place - *other.place).squaredNorm();
+  const double around = area_around((*cause.place - *other.place).norm(), shorter_side(structure));
   return std::min(1.0, around / structure.surface.area.sum());
 }
 

@@ -209,6 +209,36 @@ TEST(Detectable, LooksAtTheSameLinesEachTime) {
   EXPECT_TRUE((search < found.looks[1].observed.weight.array()).all());
 }
 
+// A constant that is known to a tenth hides the effect of the same name up to about that size, as a
+// fit would: its deviation is the first explanation. One that is not known is no cause at all.
+TEST(Detectable, LeavesWhatAConstantExplains) {
+  simulators::LoadedTable table;
+  table.lines = 40;
+  table.high_hz = 700.0;
+  const auto measured = simulators::loaded_table(simulators::believed_table(8), table);
+  DiagnosisOptions options;
+  options.only = {"youngs_modulus", "sensor_gain"};
+  CalibratedConstant modulus{.name = "material.youngs_modulus",
+                             .unit = "Pa",
+                             .value = 70e9,
+                             .effect = "youngs_modulus",
+                             .deviation = 0.1,
+                             .kind = CalibratedConstant::Kind::measured};
+  const auto known = detectable(small_plate(), measured, options, 2);
+  options.constants = {modulus};
+  const auto tenth = detectable(small_plate(), measured, options, 2);
+  modulus.kind = CalibratedConstant::Kind::unknown;
+  options.constants = {modulus};
+  const auto open = detectable(small_plate(), measured, options, 2);
+  ASSERT_EQ(known.size(), 6U);
+  ASSERT_EQ(tenth.size(), 6U);
+  EXPECT_LT(known.back().size, 0.06);
+  EXPECT_GT(tenth.back().size, 0.2);
+  EXPECT_NEAR(tenth.front().size, known.front().size, 0.01 * known.front().size);
+  ASSERT_EQ(open.size(), 3U);
+  EXPECT_EQ(open.front().effect, "sensor_gain");
+}
+
 // In every draw at one and a half times the size, in none at a third of it: of 99 % power at the
 // size less than one percent is left there. At half of it one in ten is found.
 class Searched : public testing::TestWithParam<const char*> {

@@ -253,6 +253,30 @@ TEST(Readings, StandBesideAModelThatIsOff) {
   }
 }
 
+// Leaves out responses, and the lower half of the lines of others: a zero is not what was measured.
+modal::FrfSet with_gaps(modal::FrfSet set) {
+  const Complex none(std::nan(""), std::nan(""));
+  for (std::size_t k = 0; k < set.value.size(); ++k) {
+    set.value[k](0, 1) = set.value[k](0, 2) = set.value[k](2, 0) = none;
+    set.value[k](3, 0) = set.value[k](3, 1) = set.value[k](3, 2) = none;
+    if (2 * k < set.value.size()) set.value[k](1, 2) = set.value[k](2, 1) = none;
+  }
+  return set;
+}
+
+TEST(Readings, AreThoseOfWhatWasMeasured) {
+  EXPECT_TRUE(read_of(off(1), with_gaps(measured())).empty());
+  auto set = measured();
+  spoil(set, {-kPerG}, 1);
+  EXPECT_EQ(read_of(off(1), with_gaps(set)),
+            (std::vector<std::string>{"sensor_sign s2", "sensor_unit s2"}));
+  auto all = measured();
+  for (const Index i : {0, 1, 2, 3}) spoil(all, {kPerG}, i);
+  const auto complete = read_of(plate(), all);
+  ASSERT_EQ(complete.size(), 1U);  // one unit of all sensors, also of that without a value
+  EXPECT_EQ(read_of(plate(), with_gaps(all)), complete);
+}
+
 // What acts on the body, or exchanges channels, is no reading.
 TEST(Readings, AreNotWhatElseIsHidden) {
   for (const auto& kind : simulators::hidden_kinds()) {

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "diagnosis/small_plate.h"
+#include "diagnosis/verdict/measure_next.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -146,6 +148,29 @@ TEST(OfItsOwn, IsWhatIsAloneAndHardlyWhatIsOneOfManyInARegion) {
   EXPECT_EQ(of_its_own(plate, all, 0), 1.0);
 }
 
+// On a long body a thing is near another one by chance as the part of its length says.
+TEST(ByChanceSoNear, IsThePartOfTheBodyThatIsAsNear) {
+  Structure strip = small_plate();
+  strip.cells.size = {1.8, 0.2};
+  strip.surface.area *= 0.36 / strip.surface.area.sum();
+  for (const double apart : {0.05, 0.15, 0.3, 0.6}) {
+    std::vector<Cause> two(2);
+    for (auto& one : two) one.effect = "point_mass";
+    two[0].place = Eigen::Vector2d(0.0, 0.0);
+    two[1].place = Eigen::Vector2d(apart, 0.0);
+    int near = 0;
+    constexpr int kAlong = 1800;
+    constexpr int kAcross = 200;
+    for (int n = 0; n < kAlong * kAcross; ++n) {
+      const Eigen::Vector2d place(-0.9 + 1.8 * (n % kAlong + 0.5) / kAlong,
+                                  -0.1 + 0.2 * (n / kAlong + 0.5) / kAcross);
+      near += place.norm() < apart ? 1 : 0;
+    }
+    EXPECT_NEAR(by_chance_so_near(strip, two), near / static_cast<double>(kAlong * kAcross), 1e-3)
+        << apart;
+  }
+}
+
 // Measures a plate in which `truth` is, with 1 % of noise that is not drawn.
 class Explanations : public testing::Test {
  protected:
@@ -222,6 +247,82 @@ TEST_F(Explanations, ArePlacesRatherThanTilts) {
   const Found found = found_of({fit_of({tilted}), fit_of({moved})});
   EXPECT_GT(found.fits[0].log_evidence, found.fits[1].log_evidence + 3.0);
   EXPECT_EQ(explanations(problem_, found, 1.0).front().causes.front().effect, "actuator_position");
+}
+
+// What is told of the next measurement.
+class NextSensor : public Explanations {
+ protected:
+  std::string asked(const Found& found) const {
+    const auto all = explanations(problem_, found, 1.0);
+    Diagnosis told;
+    told.verdict = judged(problem_, found, all, {});
+    told.best = all.front();
+    told.rivals.assign(all.begin() + 1, all.end());
+    return measure_next(problem_, found, told);
+  }
+  // Σ |G_a − G_b|² / σ² at the place of the scan where it is largest, for one σ of all responses.
+  double most_evidence(const Fit& a, const Fit& b, double sigma) const {
+    const auto there = [&](const Fit& fit) {
+      State state = state_of(problem_, fit.causes, fit.eta);
+      const auto count = plate_.surface.count();
+      state.outputs = plate_.surface.shapes;
+      state.output_upper.setZero(count, state.output_upper.cols());
+      state.residual.setZero(count, state.input_count());
+      state.output_paths.assign(static_cast<std::size_t>(count), Path{});
+      state.output_of.resize(static_cast<std::size_t>(count));
+      for (Index i = 0; i < count; ++i) state.output_of[static_cast<std::size_t>(i)] = i;
+      return responses(state, observed_.omega);
+    };
+    const Eigen::MatrixXd apart = (there(a) - there(b)).cwiseAbs2();
+    const VectorXd of_column = apart.colwise().sum();
+    const Index count = plate_.surface.count();
+    return of_column.reshaped(count, plate_.input_count()).rowwise().sum().maxCoeff() /
+           (sigma * sigma);
+  }
+};
+
+// Against "nothing is wrong" a cause of a hundred nats needs no further sensor.
+TEST_F(NextSensor, IsNoneWhereTheCauseIsSure) {
+  const Supposed mass{&effect("point_mass"), 0, Eigen::Vector3d(0.04, 0.1, -0.05)};
+  measure({mass});
+  const Found found = found_of({fit_of({mass})});
+  EXPECT_EQ(asked(found).find("nothing is left to tell apart"), 0U);
+}
+
+// A mass that brings a few nats: more is to be measured, or no sensor tells it.
+TEST_F(NextSensor, IsAskedForWhereTheCauseIsNotSure) {
+  const Supposed mass{&effect("point_mass"), 0, Eigen::Vector3d(0.04, 0.1, -0.05)};
+  measure({mass});
+  observed_.weight *= 1.2e-2;
+  const auto told = asked(found_of({fit_of({mass})}));
+  EXPECT_NE(told.find("sensor"), std::string::npos) << told;
+}
+
+// Sensors of one noise at all lines, however small the response: one more of them tells no more
+// than that noise lets it, also where the body is at rest.
+TEST_F(NextSensor, HasTheNoiseOfTheOthers) {
+  const Supposed mass{&effect("point_mass"), 0, Eigen::Vector3d(0.04, 0.1, -0.05)};
+  measure({mass});
+  const double sigma = 5e-4 * observed_.value.norm() / std::sqrt(observed_.value.size());
+  observed_.weight.setConstant(std::sqrt(2.0) / sigma);
+  Supposed beside = mass;
+  beside.x(1) += 0.01;
+  Fit a;
+  Fit b;
+  a.causes = {mass};
+  b.causes = {beside};
+  const double most = most_evidence(a, b, sigma);
+  const auto told = measure_next(problem_, a, b);
+  const auto figure = told.find("up to ");
+  ASSERT_NE(figure, std::string::npos) << told;
+  const double evidence = std::strtod(told.c_str() + figure + 6, nullptr);
+  EXPECT_LE(evidence, 1.01 * most);
+  EXPECT_GT(evidence, 0.5 * most);
+  // An actuator that nobody drove tells nothing.
+  const auto p = observed_.outputs;
+  observed_.weight.rightCols(observed_.weight.cols() - p).setZero();
+  const auto less = measure_next(problem_, a, b);
+  EXPECT_LT(std::strtod(less.c_str() + less.find("up to ") + 6, nullptr), 0.7 * evidence) << less;
 }
 
 }  // namespace

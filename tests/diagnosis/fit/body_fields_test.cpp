@@ -94,5 +94,43 @@ TEST(ShortWaves, GiveALineAsManyTolerancesAsAFace) {
   EXPECT_EQ(deviations(plate, thick, 1e3).size(), on_a_face + 1);
 }
 
+// Cells across a line that have the same stiffness, or one cell that has that of all of them: a
+// patch takes the same part of the line, wherever it lies, and also where it is narrower than the
+// line is wide.
+TEST(LocalStiffness, IsThatOfTheWholeWidthOfALine) {
+  Structure resolved = small_plate();
+  const Index n = 12;
+  ASSERT_EQ(resolved.fine.count(), n * n);
+  Structure line = resolved;
+  line.fine.pitch(1) = 0.0;
+  line.fine.centres.resize(n, 2);
+  line.fine.stiffness.clear();
+  for (Index i = 0; i < n; ++i) {
+    MatrixXd column = resolved.fine.stiffness[static_cast<std::size_t>(i)];
+    for (Index j = 1; j < n; ++j) {
+      column += resolved.fine.stiffness[static_cast<std::size_t>(i + n * j)];
+    }
+    line.fine.centres.row(i) << resolved.fine.centres(i, 0), 0.0;
+    line.fine.stiffness.push_back(column);
+    for (Index j = 0; j < n; ++j) {
+      resolved.fine.stiffness[static_cast<std::size_t>(i + n * j)] =
+          column / static_cast<double>(n);
+    }
+  }
+  const auto softer = [](const Structure& structure, double v, double radius) {
+    State state = state_of(structure);
+    effect("local_stiffness")
+        .apply(state, structure, 0, Eigen::Vector4d(std::log(0.6), 0.08, v, std::log(radius)));
+    return MatrixXd(state.stiffness - state_of(structure).stiffness);
+  };
+  for (const double radius : {0.05, 0.1, 0.4}) {
+    for (const double v : {0.0, 0.11, -0.22}) {
+      const MatrixXd truth = softer(resolved, v, radius);
+      EXPECT_LT((softer(line, v, radius) - truth).norm(), 0.01 * truth.norm())
+          << radius << ' ' << v;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace chladni::diagnosis

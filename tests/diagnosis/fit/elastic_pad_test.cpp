@@ -52,6 +52,26 @@ TEST(ElasticPad, HasThePriorOfTheFreePlateBesideASoftSuspension) {
   }
 }
 
+// So has what oscillates on it, and what may hold it as a whole beside a spring or two.
+TEST(Oscillators, HaveTheFrequencyOfTheFreePlateBesideASoftSuspension) {
+  const auto& free = small_plate();
+  auto held = free;
+  const auto soft = held.rigid_count;  // its first mode is the suspension's now
+  held.frequency_hz(soft) = 0.1 * free.frequency_hz(soft);
+  held.springs = Eigen::MatrixXd::Zero(held.mode_count(), held.mode_count());
+  const double suspended = 2.0 * std::numbers::pi * held.frequency_hz(soft);
+  held.springs(soft, soft) = suspended * suspended;
+  const double later = std::log(free.frequency_hz(soft + 1) / free.frequency_hz(soft));
+  for (const char* name : {"resonator", "frame", "suspension"}) {
+    const auto own = effect(name).parameters(held);
+    const auto usual = effect(name).parameters(free);
+    for (std::size_t n = 0; n < own.size(); ++n) {
+      const bool is_frequency = own[n].role == Parameter::Role::frequency;
+      EXPECT_NEAR(own[n].centre, usual[n].centre + (is_frequency ? later : 0.0), 1e-12) << name;
+    }
+  }
+}
+
 TEST(ElasticPad, IsASpringWhereItIsSmall) {
   const auto& plate = small_plate();
   const auto spring = with_springs(plate, Eigen::RowVector2d(0.083, -0.127));

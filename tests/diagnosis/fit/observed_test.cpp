@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <complex>
+#include <utility>
 
 #include "base/draw.h"
 #include "diagnosis/fit/responses.h"
@@ -60,6 +61,47 @@ TEST(Observed, TakesTheMisfitOfTheTruthForNoiseWhereVariancesAreOfFewSamples) {
   EXPECT_NEAR(misfit_per_number(set), 1.0, 0.05);
   set.averages = 0.0;
   EXPECT_NEAR(misfit_per_number(set), 7.0 / 6.0, 0.05);
+}
+
+// Responses that are a level of the sensor times a level of the actuator have that level, whatever
+// else was measured; of complete data it is row times column over all.
+TEST(ModelVariance, IsThatOfTheLevelsOfTheChannelsWhateverIsMissing) {
+  Observed observed;
+  observed.outputs = 3;
+  observed.inputs = 4;
+  observed.omega = Eigen::Vector2d(10.0, 20.0);
+  const Eigen::Vector3d sensors(1.0, 0.3, 2.0);
+  const Eigen::Vector4d actuators(0.5, 5.0, 3.0, 1.0);
+  const Eigen::MatrixXd level = sensors * actuators.transpose();
+  observed.value.resize(2, 12);
+  observed.value.row(0) = level.cast<std::complex<double>>().reshaped().transpose();
+  observed.value.row(1) = 7.0 * observed.value.row(0);
+  observed.weight.setOnes(2, 12);
+  for (const auto& [i, j] : {std::pair<Index, Index>{0, 1}, {1, 0}, {1, 3}, {2, 2}}) {
+    observed.weight(0, i + 3 * j) = 0.0;
+    observed.value(0, i + 3 * j) = 0.0;
+  }
+  const Eigen::MatrixXd found = model_variance(observed, 0.01);
+  for (Index c = 0; c < 12; ++c) {
+    const double power = 1e-4 * std::pow(level.reshaped()(c), 2);
+    if (observed.weight(0, c) > 0.0) {
+      EXPECT_NEAR(found(0, c), power, 1e-3 * power) << c;
+    }
+    EXPECT_NEAR(found(1, c), 49.0 * power, 1e-9 * power) << c;
+  }
+}
+
+TEST(ModelVariance, IsOfTheMeansOfCompleteData) {
+  Observed observed;
+  observed.outputs = observed.inputs = 2;
+  observed.omega = Eigen::VectorXd::Constant(1, 10.0);
+  observed.value.resize(1, 4);
+  observed.value << 1.0, 2.0, 3.0, 0.5;  // columns (1, 2) and (3, 1/2)
+  observed.weight.setOnes(1, 4);
+  const double mean = (1.0 + 4.0 + 9.0 + 0.25) / 4.0;
+  const auto found = model_variance(observed, 0.1);
+  EXPECT_NEAR(found(0), 0.01 * 5.0 * 2.5 / mean, 1e-12);
+  EXPECT_NEAR(found(3), 0.01 * 2.125 * 4.625 / mean, 1e-12);
 }
 
 }  // namespace
