@@ -60,6 +60,8 @@ struct ModeConstants {
   double disturbed_prior = 0.1;
   /// [1] Probability at which a cause of modes is named. Chosen.
   double sure = 0.8;
+  /// [ln] A further cause that brings this, but no sure_evidence, makes an unnamed rival. Chosen.
+  double rival_evidence = 4.0;
   /// [1] Part of the measured modes that must have a partner. Chosen.
   double few_partners = 0.5;
   /// [1] Part of the largest believed level at which nothing is believed. Chosen.

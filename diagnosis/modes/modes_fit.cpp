@@ -25,93 +25,6 @@ using Eigen::VectorXd;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kLevelRounds = 4;  // of levels alone, at the end
 
-}  // namespace
-
-Tolerances believable(Tolerances tolerances, bool learned) {
-  if (!learned) return tolerances;
-  tolerances.modulus = std::max(tolerances.modulus, 0.01);
-  tolerances.density = std::max(tolerances.density, 0.01);
-  tolerances.thickness = std::max(tolerances.thickness, 0.003);
-  tolerances.orthotropy = std::max(tolerances.orthotropy, 0.01);
-  return tolerances;
-}
-
-namespace {
-
-// A constant that is calibrated is no error of the body.
-std::vector<BodyError> body_errors_beside(const Structure& structure,
-                                          const std::vector<HeldConstant>& constants,
-                                          const Tolerances& tolerances) {
-  const auto left = tolerances_left(constants, tolerances);
-  return body_errors(structure, left.tolerances, left.uniform_thickness);
-}
-
-Index coordinates_below(const Structure& structure, double hz) {
-  Index count = 0;
-  while (count < structure.mode_count() && structure.frequency_hz(count) <= hz) ++count;
-  return std::max<Index>(count, std::min<Index>(structure.mode_count(), 12));
-}
-
-}  // namespace
-
-ModesProblem::ModesProblem(const Structure& structure, const MeasuredModes& measured,
-                           const Tolerances& tolerances, bool learned,
-                           std::vector<HeldConstant> constants)
-    : ModesProblem(structure, measured, believable(tolerances, learned),
-                   level_prior(tolerances, learned), std::move(constants)) {}
-
-ModesProblem::ModesProblem(const Structure& structure, const MeasuredModes& measured,
-                           const Tolerances& tolerances, const LevelPrior& prior,
-                           std::vector<HeldConstant> constants)
-    : structure_(structure),
-      measured_(measured),
-      constants_(std::move(constants)),
-      tolerances_(tolerances),
-      prior_(prior),
-      units_(shape_units(structure)),
-      smooth_(smooth_factor(structure)),
-      body_(body_errors_beside(structure, constants_, tolerances_)),
-      solver_(state_of(structure), structure.mode_count()),
-      quick_(
-          state_of(structure),
-          coordinates_below(structure, kConstants.quick_modes * measured.frequency_hz.maxCoeff())),
-      low_hz_(kConstants.modes_below * measured.frequency_hz.minCoeff()),
-      high_hz_(kConstants.modes_above_band * measured.frequency_hz.maxCoeff()) {}
-
-State ModesProblem::with(const ModesFit& fit) const {
-  State state = state_of(structure_);
-  for (const auto& cause : supposed(constants_, fit.constants, fit.causes))
-    cause.effect->apply(state, structure_, cause.option, cause.x);
-  return state;
-}
-
-std::optional<RecordedModes> ModesProblem::modes(const State& state, bool quick) const {
-  try {
-    auto model = (quick ? quick_ : solver_).modes(state, low_hz_, high_hz_);
-    const bool is_finite = model.outputs.allFinite() && model.inputs.allFinite();
-    if (model.count() == 0 || !is_finite) return std::nullopt;
-    return model;
-  } catch (const NumericalFailure&) {
-    return std::nullopt;
-  }
-}
-
-std::vector<Matching> ModesProblem::matchings(const RecordedModes& model) const {
-  std::vector<Matching> all{matched(measured_, model, units_, PairBy::shape)};
-  auto by_frequency = matched(measured_, model, units_, PairBy::frequency);
-  if (by_frequency.model != all.front().model) all.push_back(std::move(by_frequency));
-  return all;
-}
-
-ModeErrors ModesProblem::errors(const ModesFit& hypothesis, const RecordedModes& model,
-                                const Matching& matching, bool with_shared) const {
-  static const std::vector<BodyError> kNoErrors;
-  return mode_errors(structure_, measured_, model, units_, matching,
-                     with_shared ? body_ : kNoErrors, smooth_, hypothesis.disturbed, with_shared);
-}
-
-namespace {
-
 // One hypothesis on its way to its most probable sizes.
 class Descent {
  public:
@@ -121,14 +34,16 @@ class Descent {
         all_(supposed(problem.constants(), fit_.constants, fit_.causes)),
         prior_(prior_of(problem.structure(), problem.constants(), all_)) {}
 
+  enum class Pairs { probable, given };  // given: those of the start
+
   // False: the start is impossible.
-  bool begin() {
+  bool begin(Pairs pairs) {
     auto model = modes(all_);
     if (!model || !std::isfinite(log_prior_of(all_))) return false;
     fit_.model = std::move(*model);
     fit_.objective = kInfinite;
     const auto given = fit_.matching.model;
-    pair_again();
+    if (pairs == Pairs::probable) pair_again();
     if (!given.empty()) pair_as(matching_of(problem_.measured(), fit_.model, given));
     return std::isfinite(fit_.objective);
   }
@@ -152,6 +67,27 @@ class Descent {
   // Pairs the modes in the most probable way.
   void pair_again() {
     for (const auto& matching : problem_.matchings(fit_.model)) pair_as(matching);
+  }
+
+  // The partners without that of the mode that belongs least to the others; empty where all do. One
+  // mode at most is without the partner that it could have, in every hypothesis that is fitted in
+  // full; a quick fit pairs all.
+  // Where levels are known, what deviates more is what a cause has to explain.
+  [[nodiscard]] std::vector<Index> partners_without_worst() const {
+    if (fit_.disturbed.what == Disturbed::What::mode || problem_.prior().width <= 0.0) return {};
+    const auto alone = [](const Matching& of) { return std::ranges::count(of.model, Index{-1}); };
+    if (alone(fit_.matching) > alone(problem_.matchings(fit_.model).front())) return {};
+    VectorXd excess = likelihood_->block_squares();
+    const auto& blocks = likelihood_->errors().blocks;
+    for (Index b = 0; b < excess.size(); ++b) {
+      excess(b) -= static_cast<double>(blocks[at(b)].count());
+      if (fit_.matching.model[at(b)] < 0) excess(b) = 0.0;
+    }
+    Index worst = 0;
+    if (!(excess.maxCoeff(&worst) > 2.0 * kConstants.alone)) return {};
+    auto partners = fit_.matching.model;
+    partners[at(worst)] = -1;
+    return partners;
   }
 
   // After `settle`.
@@ -361,6 +297,26 @@ class Descent {
   double damping_ = 1e-3;
 };
 
+// Rounds until one gains little, then the levels alone.
+void descend(Descent& descent, int rounds, bool pairs_again) {
+  double before = kInfinite;
+  for (int round = 0; round < rounds; ++round) {
+    descent.round();
+    if (pairs_again) descent.pair_again();
+    if (round > 1 && before - descent.value() < kConstants.enough_fall) break;
+    before = descent.value();
+  }
+  descent.settle(std::min(rounds, kLevelRounds));
+}
+
+// The fit with the partners of the start, unless a step changes the number of modes.
+std::optional<ModesFit> fitted_as_paired(const ModesProblem& problem, const ModesFit& start) {
+  Descent descent(problem, start);
+  if (!descent.begin(Descent::Pairs::given)) return std::nullopt;
+  descend(descent, ModesProblem::kRounds, false);
+  return descent.taken();
+}
+
 }  // namespace
 
 ModesFit ModesProblem::fitted(const ModesFit& start, int rounds) const {
@@ -371,16 +327,16 @@ ModesFit ModesProblem::fitted(const ModesFit& start, int rounds) const {
   }
   Descent descent(*this, first);
   first.log_evidence = -kInfinite;  // where no body is like this, whatever the start was worth
-  if (!descent.begin()) return first;
-  double before = kInfinite;
-  for (int round = 0; round < rounds; ++round) {
-    descent.round();
-    descent.pair_again();
-    if (round > 1 && before - descent.value() < kConstants.enough_fall) break;
-    before = descent.value();
-  }
-  descent.settle(std::min(rounds, kLevelRounds));
-  return descent.taken();
+  if (!descent.begin(Descent::Pairs::probable)) return first;
+  descend(descent, rounds, true);
+  auto fewer = rounds == kRounds ? descent.partners_without_worst() : std::vector<Index>();
+  ModesFit fit = descent.taken();
+  if (fewer.empty()) return fit;
+  // The likest pair may still be a wrong one, which costs a hypothesis more than none.
+  ModesFit apart = fit;
+  apart.matching.model = std::move(fewer);
+  auto other = fitted_as_paired(*this, apart);
+  return other && other->log_evidence > fit.log_evidence ? std::move(*other) : fit;
 }
 
 ModesFit ModesProblem::nothing(const Disturbed& disturbed) const {

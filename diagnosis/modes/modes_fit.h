@@ -71,8 +71,9 @@ class ModesProblem {
                                   const Matching& matching, bool with_shared = true) const;
   /// The hypothesis at its most probable sizes and levels (Levenberg and Marquardt in the sizes,
   /// MacKay's update of the levels), and its evidence (Laplace). The fit starts at the causes and
-  /// levels of `start`, and with its pairs if they are the most probable. Cost: some 20
-  /// eigenproblems per coordinate.
+  /// levels of `start`, and with its pairs if they are the most probable. In full (kRounds) the mode
+  /// that suits its partner least may be left without one, where that is more probable. Cost: some
+  /// 20 eigenproblems per coordinate, twice that where a mode is left alone.
   [[nodiscard]] ModesFit fitted(const ModesFit& start, int rounds = kRounds) const;
   static constexpr int kRounds = 8;
   /// The structure as it is, with its constants calibrated and levels learned.

@@ -1,5 +1,6 @@
 #include "diagnosis/modes/modes_search.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -164,11 +165,30 @@ std::vector<ModesFit> disturbed_fits(const ModesProblem& problem, const ModesFit
   return fits;
 }
 
-// The part of the covariance that belongs to cause `which`.
-Eigen::VectorXd deviations_of(const ModesFit& fit, std::size_t which) {
+// Deviations of the coordinates of the last cause where its place, its extent and its other forms
+// are held. A mass on a node of a mode may be known by its effect and not by its size: what it
+// changes is certain, and so is that it is there.
+Eigen::VectorXd deviations_in_place(const ModesProblem& problem, const ModesFit& fit) {
+  using Role = Parameter::Role;
   Index first = 0;
-  for (std::size_t c = 0; c < which; ++c) first += fit.causes[c].x.size();
-  return fit.covariance.diagonal().segment(first, fit.causes[which].x.size()).cwiseSqrt();
+  for (const auto& other : fit.causes) first += other.x.size();
+  const auto& cause = fit.causes.back();
+  first -= cause.x.size();
+  std::vector<Index> held;
+  const auto parameters = cause.effect->parameters(problem.structure());
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto role = parameters[i].role;
+    const bool is_held = parameters[i].is_place() || role == Role::extent || role == Role::shape;
+    if (is_held) held.push_back(first + static_cast<Index>(i));
+  }
+  Eigen::VectorXd variance = fit.covariance.diagonal().segment(first, cause.x.size());
+  if (!held.empty()) {
+    const Eigen::MatrixXd beside = fit.covariance(held, Eigen::seqN(first, cause.x.size()));
+    const Eigen::LDLT<Eigen::MatrixXd> of_held(Eigen::MatrixXd(fit.covariance(held, held)));
+    const Eigen::MatrixXd explained = beside.transpose() * of_held.solve(beside);
+    variance = (variance - explained.diagonal()).cwiseMax(0.0);
+  }
+  return variance.cwiseSqrt();
 }
 
 // The deviation that a sound structure may have of the same kind: the tolerance, or its level.
@@ -181,12 +201,12 @@ double usual_size(const ModesProblem& problem, const ModesFit& fit, const Effect
   return stated;
 }
 
-// True if a size of the cause differs from that of a sound structure by more than its deviation
-// and more than such structures differ. The size of a cause without a strength is its frequency; a
-// cause without both is there or not.
-bool is_significant(const ModesProblem& problem, const ModesFit& fit, std::size_t which) {
+// True if a size of the last cause differs from that of a sound structure by more than its
+// deviation and more than such structures differ. The size of a cause without a strength is its
+// frequency; a cause without both is there or not.
+bool is_significant(const ModesProblem& problem, const ModesFit& fit) {
   using Role = Parameter::Role;
-  const auto& cause = fit.causes[which];
+  const auto& cause = fit.causes.back();
   const auto parameters = cause.effect->parameters(problem.structure());
   const auto is_strength = [](const Parameter& parameter) {
     return parameter.role == Role::strength || parameter.role == Role::offset;
@@ -196,7 +216,7 @@ bool is_significant(const ModesProblem& problem, const ModesFit& fit, std::size_
     return has_strength ? is_strength(parameter) : parameter.role == Role::frequency;
   };
   if (std::ranges::none_of(parameters, is_size)) return true;
-  const auto deviation = deviations_of(fit, which);
+  const auto deviation = deviations_in_place(problem, fit);
   const double usual = usual_size(problem, fit, *cause.effect);
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     if (!is_size(parameters[i])) continue;
@@ -208,13 +228,6 @@ bool is_significant(const ModesProblem& problem, const ModesFit& fit, std::size_
     if (is_clear) return true;
   }
   return false;
-}
-
-bool are_significant(const ModesProblem& problem, const ModesFit& fit) {
-  for (std::size_t c = 0; c < fit.causes.size(); ++c) {
-    if (!is_significant(problem, fit, c)) return false;
-  }
-  return true;
 }
 
 // The fit without a cause, with the pairs of any of the fits if they are more probable there: a
@@ -252,15 +265,19 @@ ModesFound searched(const ModesProblem& problem, const std::vector<const Effect*
       if (level == 0) found.effects = effects;
       auto fits = fitted_with(problem, base, starts);
       if (level == 0) found.nothing = paired_as(problem, found.nothing, fits);
-      std::erase_if(fits, [&](const ModesFit& fit) { return !are_significant(problem, fit); });
+      // The others were significant when they were found. What a further cause leaves of them is
+      // told by the evidence without them.
+      std::erase_if(fits, [&](const ModesFit& fit) { return !is_significant(problem, fit); });
       std::ranges::move(fits, std::back_inserter(next));
     }
     if (next.empty()) break;
     sort(next);
-    // A further cause that brings less is not part of any explanation.
+    // A further cause that brings less is not named, but from Constants::rival_evidence on it is
+    // part of a rival.
     const double more =
         level == 0 ? least_evidence : std::max(least_evidence, kConstants.sure_evidence);
-    const double needed = level == 0 ? -HUGE_VAL : beam.front().log_evidence + more;
+    const double needed =
+        level == 0 ? -HUGE_VAL : beam.front().log_evidence + kConstants.rival_evidence;
     for (const auto& fit : next) {
       if (fit.log_evidence >= needed) found.fits.push_back(fit);
     }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "base/index.h"
@@ -14,125 +13,13 @@
 #include "diagnosis/modes/calibration/calibration.h"
 #include "diagnosis/modes/partner.h"
 #include "diagnosis/modes/proposals/next_measurement.h"
+#include "diagnosis/modes/weighed.h"
 #include "diagnosis/verdict/cause_of.h"
 
 namespace chladni::diagnosis {
 namespace {
 
 using Eigen::Index;
-
-// ln of the prior probability of this number of causes, of so many effects.
-double log_of_number(std::size_t causes, double effects) {
-  const double n = std::max(effects, 1.0);
-  switch (causes) {
-    case 0:
-      return std::log(kConstants.nothing_prior);
-    case 1:
-      return std::log(kConstants.one_prior / n);
-    case 2:
-      return std::log(kConstants.two_prior * 2.0 / (n * n));
-    default:
-      return std::log(kConstants.three_prior * 6.0 / (n * n * n));
-  }
-}
-
-bool contains(const Structure& structure, const ModesFit& fit, const Supposed& cause) {
-  return std::ranges::any_of(fit.causes,
-                             [&](const Supposed& other) { return alike(structure, cause, other); });
-}
-
-// True if `a` is `b`, or a special case of it, at the same place.
-bool is_simpler_or_same(const Structure& structure, const Supposed& a, const Supposed& b) {
-  if (alike(structure, a, b)) return true;
-  return near(structure, a, b, 2.0 * kConstants.same_place) &&
-         std::ranges::any_of(b.effect->simpler,
-                             [&](const Simpler& one) { return one.effect == a.effect; });
-}
-
-// True if each cause of `general` has its simpler case or itself in `fit`, and one is simpler.
-bool is_simpler(const Structure& structure, const ModesFit& fit, const ModesFit& general) {
-  if (fit.causes.empty() || fit.causes.size() != general.causes.size()) return false;
-  bool differs = false;
-  for (const auto& cause : general.causes) {
-    const auto found = std::ranges::find_if(
-        fit.causes, [&](const Supposed& one) { return is_simpler_or_same(structure, one, cause); });
-    if (found == fit.causes.end()) return false;
-    differs = differs || found->effect != cause.effect;
-  }
-  return differs;
-}
-
-// All hypotheses with their posterior probabilities.
-struct Weighed {
-  std::vector<const ModesFit*> fits;  // `nothing` first
-  std::vector<double> probability;
-};
-
-// An explanation whose simpler case has nearly its evidence is left out.
-Weighed weighed(const Structure& structure, const ModesFound& found, double equal) {
-  Weighed all;
-  std::vector<double> log_weight;
-  const auto add = [&](const ModesFit& fit, double prior) {
-    all.fits.push_back(&fit);
-    log_weight.push_back(fit.log_evidence + prior);
-  };
-  add(found.nothing, log_of_number(0, found.effects));
-  for (const auto& fit : found.fits) {
-    const bool is_needless = std::ranges::any_of(found.fits, [&](const ModesFit& other) {
-      return other.log_evidence > fit.log_evidence - equal && is_simpler(structure, other, fit);
-    });
-    if (!is_needless) add(fit, log_of_number(fit.causes.size(), found.effects));
-  }
-  const auto disturbed = static_cast<double>(std::max<std::size_t>(found.disturbed.size(), 1));
-  for (const auto& fit : found.disturbed)
-    add(fit, std::log(kConstants.disturbed_prior / disturbed));
-  const double most = *std::ranges::max_element(log_weight);
-  double sum = 0.0;
-  for (const double one : log_weight) {
-    all.probability.push_back(std::exp(one - most));
-    sum += all.probability.back();
-  }
-  for (auto& one : all.probability) one /= sum;
-  return all;
-}
-
-bool same(const Structure& structure, const ModesFit& a, const ModesFit& b) {
-  if (a.causes.size() != b.causes.size() || a.disturbed.what != b.disturbed.what ||
-      a.disturbed.index != b.disturbed.index) {
-    return false;
-  }
-  return std::ranges::all_of(a.causes,
-                             [&](const Supposed& cause) { return contains(structure, b, cause); });
-}
-
-// Each explanation once, at its best fit, descending. Other fits of it are the same maximum,
-// reached from other starts: their probabilities do not count.
-Weighed merged(const Structure& structure, const Weighed& all) {
-  Weighed result;
-  std::vector<std::size_t> order(all.fits.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, std::ranges::greater{},
-                           [&](std::size_t i) { return all.probability[i]; });
-  for (const auto i : order) {
-    const auto known = std::ranges::find_if(
-        result.fits, [&](const ModesFit* fit) { return same(structure, *fit, *all.fits[i]); });
-    if (known == result.fits.end()) {
-      result.fits.push_back(all.fits[i]);
-      result.probability.push_back(all.probability[i]);
-    }
-  }
-  const double sum = std::accumulate(result.probability.begin(), result.probability.end(), 0.0);
-  for (auto& one : result.probability) one /= sum;
-  return result;
-}
-
-double probability_of(const Structure& structure, const Weighed& all, const Supposed& cause) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < all.fits.size(); ++i) {
-    if (contains(structure, *all.fits[i], cause)) sum += all.probability[i];
-  }
-  return std::min(sum, 1.0);
-}
 
 // ln evidence of the best fit without cause `which`: one with the other causes, or with none.
 double evidence_without(const Structure& structure, const ModesFound& found, const ModesFit& fit,
@@ -209,7 +96,7 @@ bool has_few_partners(const ModesFit& fit) {
          kConstants.few_partners * static_cast<double>(fit.matching.model.size());
 }
 
-Verdict verdict_of(const ModesProblem& problem, const Weighed& all,
+Verdict verdict_of(const ModesProblem& problem, const ModesFound& found, const Weighed& all,
                    const std::vector<Explanation>& explanations, double least_evidence) {
   const auto& best = explanations.front();
   const auto& fit = *all.fits.front();
@@ -220,6 +107,7 @@ Verdict verdict_of(const ModesProblem& problem, const Weighed& all,
   }
   if (best.causes.empty()) return Verdict::no_discrepancy;
   if (is_another_body(best)) return Verdict::unexplained;
+  if (!is_supported(found, fit, least_evidence)) return Verdict::ambiguous;
   const auto is_sure = [&](const Cause& cause) {
     return cause.probability >= kConstants.sure && cause.log_evidence_gain >= least_evidence;
   };
@@ -312,15 +200,15 @@ std::string next_in_words(const Explanation& told, const ModesFit& best, Verdict
 
 Diagnosis answer(const ModesProblem& problem, const ModesFound& found,
                  const DiagnosisOptions& options) {
-  const Weighed all =
-      merged(problem.structure(), weighed(problem.structure(), found, options.rival_within));
+  Weighed all = weighed(problem.structure(), found, options.rival_within);
+  put_supported_first(problem.structure(), found, options.least_evidence, all);
   std::vector<Explanation> explanations;
   for (std::size_t i = 0; i < all.fits.size(); ++i) {
     explanations.push_back(explanation_of(problem, found, all, i));
   }
   const auto& best = *all.fits.front();
   Diagnosis diagnosis;
-  diagnosis.verdict = verdict_of(problem, all, explanations, options.least_evidence);
+  diagnosis.verdict = verdict_of(problem, found, all, explanations, options.least_evidence);
   diagnosis.best = explanations.front();
   diagnosis.rivals.assign(explanations.begin() + 1, explanations.end());
   if (diagnosis.verdict != Verdict::no_discrepancy) {

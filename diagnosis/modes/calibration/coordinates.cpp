@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "diagnosis/fit/information.h"
+
 namespace chladni::diagnosis {
 
 using Eigen::Index;
@@ -55,10 +57,8 @@ CoordinatePrior prior_of(const Structure& structure, const std::vector<HeldConst
   for (std::size_t c = 0; c < all.size(); ++c) {
     for (const auto& parameter : all[c].effect->parameters(structure)) {
       prior.centre(i) = parameter.centre;
-      // The variance of a place that is uniform over the surface.
-      double width =
-          parameter.is_place() ? structure.surface.size() / std::sqrt(24.0) : parameter.width;
-      if (c < constants.size()) width = constants[c].width;
+      const double width =
+          c < constants.size() ? constants[c].width : prior_width(structure, parameter);
       prior.precision(i) = std::pow(width, -2);
       prior.is_place.push_back(parameter.is_place());
       prior.step(i++) = parameter.step;

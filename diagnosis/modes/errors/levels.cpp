@@ -178,12 +178,25 @@ double LevelLikelihood::negative_log(const ModeErrors& other, const std::vector<
 
 double LevelLikelihood::negative_log() const { return negative_log(stacked(errors_)); }
 
+VectorXd LevelLikelihood::shared_means() const {
+  const auto lower = capacitance_.triangularView<Eigen::Lower>();
+  return lower.transpose().solve(VectorXd(lower.solve(VectorXd(shared_.transpose() * error_))));
+}
+
+VectorXd LevelLikelihood::block_squares() const {
+  const VectorXd left = error_ - shared_ * shared_means();
+  VectorXd squares(static_cast<Index>(first_.size()));
+  for (std::size_t b = 0; b < first_.size(); ++b) {
+    squares(static_cast<Index>(b)) = left.segment(first_[b], factor_[b].rows()).squaredNorm();
+  }
+  return squares;
+}
+
 LevelLikelihood::Evidence LevelLikelihood::evidence() const {
   Evidence result{PerClass::Zero(), PerClass::Zero()};
   const auto lower = capacitance_.triangularView<Eigen::Lower>();
   const MatrixXd spread = lower.solve(shared_.transpose());  // k×N
-  const VectorXd shared_mean =
-      lower.transpose().solve(VectorXd(lower.solve(VectorXd(shared_.transpose() * error_))));
+  const VectorXd shared_mean = shared_means();
   const VectorXd left = error_ - shared_ * shared_mean;
   Index first = 0;
   for (std::size_t b = 0; b < factor_.size(); ++b) {

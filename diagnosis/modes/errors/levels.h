@@ -96,12 +96,17 @@ class LevelLikelihood {
     PerClass size, determined;
   };
   [[nodiscard]] Evidence evidence() const;
+  /// For each block eᵀC⁻¹e of what the shared errors leave of it: about as much as it has numbers,
+  /// and much more where it does not belong to the others.
+  [[nodiscard]] Eigen::VectorXd block_squares() const;
 
  private:
   [[nodiscard]] Eigen::MatrixXd whitened(Eigen::MatrixXd columns) const;
   // What a block shares with others, times the levels, whitened by the block's own factor.
   [[nodiscard]] Eigen::MatrixXd shared_of(const ModeBlock& block,
                                           const Eigen::MatrixXd& factor) const;
+  // Posterior means of the shared errors, over their levels.
+  [[nodiscard]] Eigen::VectorXd shared_means() const;
 
   ModeErrors errors_;
   PerClass levels_;

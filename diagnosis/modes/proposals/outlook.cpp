@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/decompositions.h"
+#include "base/error.h"
 #include "base/index.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/modes/calibration/coordinates.h"
@@ -47,11 +48,22 @@ double log_mass_of(const Question& question, const State& state) {
   return std::log(std::max(ratio, 1e-3));
 }
 
+// The structure of an explanation; none where no body is like that. A step from a size that is
+// hardly known may take more stiffness than there is.
+std::optional<State> state_with(const ModesProblem& problem, const ModesFit& fit) {
+  try {
+    return problem.with(fit);
+  } catch (const NumericalFailure&) {
+    return std::nullopt;
+  }
+}
+
 // The outlook of an explanation. Each shape has the sign of `like`, if there is one.
 std::optional<Outlook> outlook_of(const Question& question, const ModesFit& fit,
                                   const MatrixXd& like) {
-  const State state = question.problem.with(fit);
-  const auto model = question.problem.modes(state, false);
+  const auto state = state_with(question.problem, fit);
+  if (!state) return std::nullopt;
+  const auto model = question.problem.modes(*state, false);
   if (!model || model->count() != fit.model.count()) return std::nullopt;
   const auto& motion = model->motion;
   const MatrixXd at_places = question.problem.structure()
@@ -61,7 +73,7 @@ std::optional<Outlook> outlook_of(const Question& question, const ModesFit& fit,
   const auto m = static_cast<Index>(fit.matching.model.size());
   Outlook outlook{MatrixXd::Constant(at_places.rows(), m, kNotMeasured),
                   MatrixXd::Constant(at_places.rows(), m, kNotMeasured),
-                  log_mass_of(question, state)};
+                  log_mass_of(question, *state)};
   for (Index i = 0; i < m; ++i) {
     const Index k = fit.matching.model[at(i)];
     if (k < 0) continue;

@@ -148,6 +148,33 @@ TEST(LevelLikelihood, IsThatOfTheDenseCovariance) {
   }
 }
 
+// What the most probable shared errors leave of each block, by its own covariance.
+TEST(LevelLikelihood, KnowsTheSquareOfEachBlock) {
+  Dice dice(5);
+  ModeErrors errors = some_errors(dice, 3);
+  errors.blocks[2].error *= 20.0;
+  const LevelLikelihood likelihood(errors, some_levels());
+  const VectorXd squares = likelihood.block_squares();
+  const MatrixXd covariance = dense_covariance(errors, some_levels());
+  ModeErrors alone = errors;
+  alone.shared_of.clear();
+  for (auto& block : alone.blocks) block.shared.resize(block.count(), 0);
+  const MatrixXd own = dense_covariance(alone, some_levels());
+  // C⁻¹e = D⁻¹(e − S m): the errors that are left are D C⁻¹e.
+  const VectorXd left = own * covariance.llt().solve(stacked(errors));
+  Index first = 0;
+  for (std::size_t b = 0; b < errors.blocks.size(); ++b) {
+    const Index n = errors.blocks[b].count();
+    const VectorXd part = left.segment(first, n);
+    const double square = part.dot(own.block(first, first, n, n).llt().solve(part));
+    EXPECT_NEAR(squares(static_cast<Index>(b)), square, 1e-8 * (1.0 + square)) << b;
+    first += n;
+  }
+  Index worst = 0;
+  squares.maxCoeff(&worst);
+  EXPECT_EQ(worst, 2);
+}
+
 TEST(LevelLikelihood, NeedsNoSharedErrors) {
   Dice dice(4);
   ModeErrors errors = some_errors(dice, 2);

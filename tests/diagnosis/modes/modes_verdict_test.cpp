@@ -1,0 +1,200 @@
+#include "diagnosis/modes/modes_verdict.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "diagnosis/fit/information.h"
+#include "diagnosis/loaded_plate.h"
+#include "diagnosis/modes/calibration/coordinates.h"
+#include "diagnosis/modes/proposals/outlook.h"
+#include "simulators/portable_random.h"
+
+namespace chladni::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+TEST(PriorOfAPlace, IsAsWideAsTheSurfaceAlongEachAxis) {
+  const Supposed mass{&effect("point_mass"), 0, Vector3d(0.1, 0.0, 0.0)};
+  const auto prior = prior_of(small_plate(), {}, {mass});
+  const auto parameters = mass.effect->parameters(small_plate());
+  for (const Index i : {1, 2}) {
+    const double precision = std::pow(prior_width(small_plate(), parameters[std::size_t(i)]), -2);
+    EXPECT_NEAR(prior.precision(i), precision, 1e-9 * precision) << i;
+  }
+}
+
+// A plate with a mass whose fourth mode has the shape of no other.
+MeasuredModes with_a_strange_mode(double mass) {
+  State state = state_of(small_plate());
+  effect("point_mass").apply(state, small_plate(), 0, Vector3d(mass, 0.21, 0.08));
+  auto measured = measured_of(modes_of(state), 0.02);
+  simulators::Dice dice(9);
+  const double size = measured.output_shapes.col(3).norm() /
+                      std::sqrt(static_cast<double>(measured.output_shapes.rows()));
+  const VectorXd strange = size * dice.normal(measured.output_shapes.rows(), 1);
+  measured.output_shapes.col(3) = measured.output_shapes.col(3) + 1.2 * strange;
+  return measured;
+}
+
+// One mode of a wrong shape is left without a partner, and hides nothing of the others.
+TEST(ModesProblem, LeavesAModeAloneThatBelongsToNone) {
+  const auto measured = with_a_strange_mode(1.2);
+  const ModesProblem problem(small_plate(), measured, Tolerances{}, true);
+  ModesFit start;
+  start.causes.push_back({&effect("point_mass"), 0, Vector3d(1.0, 0.2, 0.1)});
+  const auto fit = problem.fitted(start);
+  EXPECT_EQ(fit.matching.model[3], -1);
+  for (std::size_t i = 0; i < fit.matching.model.size(); ++i) {
+    if (i == 3) continue;
+    EXPECT_GE(fit.matching.model[i], 0) << i;
+  }
+  ModesFit paired = fit;
+  paired.matching = problem.matchings(fit.model).front();
+  ASSERT_GE(paired.matching.model[3], 0);
+  EXPECT_LT(problem.fitted(paired, 1).log_evidence, fit.log_evidence);
+}
+
+// What takes more stiffness than there is foretells nothing, and stops nothing.
+TEST(Explained, LeavesOutWhatNoBodyIsLike) {
+  const auto measured = measured_of(modes_of(state_of(small_plate())), 0.02);
+  const ModesProblem problem(small_plate(), measured, Tolerances{}, false);
+  const auto nothing = problem.nothing();
+  Effect impossible = effect("density");
+  impossible.apply = [](State&, const Structure&, Index, const VectorXd&) {
+    throw NumericalFailure("a place of the body loses more stiffness than it has");
+  };
+  ModesFit fit = nothing;
+  fit.causes = {{&impossible, 0, VectorXd::Constant(1, 0.1)}};
+  const auto question = question_of(problem, nothing);
+  EXPECT_EQ(explained(question, {{&nothing, 0.5}, {&fit, 0.5}}).size(), 1U);
+}
+
+// Fits of the plate with made-up evidence.
+class Answer : public testing::Test {
+ protected:
+  Answer() : problem_(small_plate(), measured_, Tolerances{}, false) {
+    found_.nothing = problem_.nothing();
+    found_.effects = 20.0;
+  }
+  [[nodiscard]] Supposed mass(double u = 0.2) const {
+    return {&effect("point_mass"), 0, Vector3d(0.3, u, 0.1)};
+  }
+  [[nodiscard]] Supposed general() const {
+    return {&effect("mass_with_inertia"), 0, Eigen::Vector4d(0.3, std::log(0.01), 0.2, 0.1)};
+  }
+  [[nodiscard]] static Supposed gain(Index of) {
+    return {&effect("sensor_gain"), of, VectorXd::Constant(1, 0.2)};
+  }
+  void add(const std::vector<Supposed>& causes, double gain) {
+    ModesFit fit = found_.nothing;
+    fit.causes = causes;
+    Index n = 0;
+    for (const auto& cause : causes) n += cause.x.size();
+    fit.covariance = 1e-4 * MatrixXd::Identity(n, n);
+    fit.log_evidence = found_.nothing.log_evidence + gain;
+    found_.fits.push_back(std::move(fit));
+  }
+  [[nodiscard]] Diagnosis told() {
+    std::ranges::stable_sort(found_.fits, std::ranges::greater{}, &ModesFit::log_evidence);
+    return answer(problem_, found_, DiagnosisOptions{});
+  }
+  MeasuredModes measured_ = measured_of(modes_of(state_of(small_plate())), 0.02);
+  ModesProblem problem_;
+  ModesFound found_;
+};
+
+TEST_F(Answer, GivesTheWeightOfAGeneralCauseToItsSimplerCase) {
+  add({mass()}, 30.0);
+  add({gain(1)}, 30.0);
+  const auto even = told();
+  EXPECT_NEAR(even.best.probability, 0.5, 1e-6);
+  add({general()}, 31.0);
+  add({general()}, 31.0);  // the same maximum from another start
+  const auto more = told();
+  ASSERT_EQ(more.best.causes.size(), 1U);
+  EXPECT_EQ(more.best.causes.front().effect, "point_mass");
+  EXPECT_NEAR(more.best.probability, (1.0 + std::exp(1.0)) / (2.0 + std::exp(1.0)), 1e-6);
+}
+
+TEST_F(Answer, CountsAPairThatIsNotSupportedAmongTheRivals) {
+  add({mass()}, 30.0);
+  EXPECT_EQ(told().verdict, Verdict::named);
+  // The pair explains more than the mass, without it.
+  add({gain(1), gain(2)}, 38.0);
+  const auto doubt = told();
+  EXPECT_EQ(doubt.verdict, Verdict::ambiguous);
+  for (const auto& explanation : doubt.rivals) {
+    for (const auto& cause : explanation.causes) {
+      if (cause.effect != "point_mass") continue;
+      EXPECT_LT(cause.probability, 0.2);
+    }
+  }
+}
+
+TEST_F(Answer, NamesACauseBesideOneThatIsNotSupported) {
+  add({mass()}, 30.0);
+  add({mass(), gain(1)}, 37.0);
+  const auto found = told();
+  EXPECT_EQ(found.verdict, Verdict::named);
+  ASSERT_EQ(found.best.causes.size(), 1U);
+  EXPECT_EQ(found.best.causes.front().effect, "point_mass");
+  EXPECT_GT(found.best.causes.front().probability, 0.99);
+  ASSERT_FALSE(found.rivals.empty());
+  EXPECT_EQ(found.rivals.front().causes.size(), 2U);
+}
+
+// That a mode is not believed is no part of a pair.
+TEST_F(Answer, DoesNotPutADisturbanceBeforeAPairThatIsNotSupported) {
+  add({mass()}, 12.0);
+  add({mass(), gain(1)}, 20.0);
+  ModesFit disturbed = found_.nothing;
+  disturbed.disturbed = {Disturbed::What::mode, 2};
+  disturbed.log_evidence += 13.0;
+  found_.disturbed.push_back(std::move(disturbed));
+  const auto found = told();
+  EXPECT_NE(found.verdict, Verdict::unexplained);
+  ASSERT_EQ(found.best.causes.size(), 1U);
+  EXPECT_EQ(found.best.causes.front().effect, "point_mass");
+}
+
+// The sign of one channel is no simpler case of the gain of another.
+TEST_F(Answer, NamesTheChannelThatItIs) {
+  add({gain(2)}, 30.0);
+  add({{&effect("sensor_sign"), 0, VectorXd(0)}}, 27.0);
+  const auto found = told();
+  ASSERT_EQ(found.best.causes.size(), 1U);
+  EXPECT_EQ(found.best.causes.front().effect, "sensor_gain");
+}
+
+// A cause and a more general one beside it: the fit is not simpler than itself.
+TEST_F(Answer, TellsAPairOfACauseAndAMoreGeneralOne) {
+  const Supposed sign{&effect("sensor_sign"), 0, VectorXd(0)};
+  add({sign}, 20.0);
+  add({sign, gain(2)}, 40.0);
+  const auto channels = told();
+  EXPECT_EQ(channels.verdict, Verdict::named);
+  EXPECT_EQ(channels.best.causes.size(), 2U);
+  found_.fits.clear();
+  add({mass()}, 20.0);
+  add({mass(), general()}, 40.0);
+  EXPECT_EQ(told().best.causes.size(), 2U);
+}
+
+TEST_F(Answer, NamesAPairThatIsSupported) {
+  add({mass()}, 30.0);
+  add({gain(1)}, 12.0);
+  add({mass(), gain(1)}, 43.0);
+  const auto found = told();
+  EXPECT_EQ(found.verdict, Verdict::named);
+  EXPECT_EQ(found.best.causes.size(), 2U);
+}
+
+}  // namespace
+}  // namespace chladni::diagnosis
