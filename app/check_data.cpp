@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <ostream>
 #include <span>
 
@@ -22,7 +23,8 @@ constexpr const char* kKinds[] = {"receptance", "mobility", "accelerance"};
 
 /// The largest value in one response.
 struct Largest {
-  double size = 0.0, frequency_hz = 0.0, coherence = 0.0;
+  double size = 0.0, frequency_hz = 0.0;
+  double coherence = std::numeric_limits<double>::quiet_NaN();  // the median; NaN: none is stated
   Index lines = 0;
 };
 
@@ -92,6 +94,10 @@ void show_channels(const char* side, const std::vector<modal::MeasuredChannel>& 
   }
 }
 
+std::string coherence_text(double median) {
+  return std::isnan(median) ? "-" : fmt::format("{:.4f}", median);
+}
+
 void show_responses(const modal::FrfSet& set, std::ostream& results) {
   const bool coherence = !set.coherence.empty();
   results << fmt::format("\n  {:<20}{:>12}{:>15}{}\n", "response", "largest", "at",
@@ -104,7 +110,7 @@ void show_responses(const modal::FrfSet& set, std::ostream& results) {
       const auto name = set.outputs[static_cast<std::size_t>(i)].name + "/" +
                         set.inputs[static_cast<std::size_t>(j)].name;
       results << fmt::format("  {:<20}{:>12.4g}{:>12.2f} Hz", name, found.size, found.frequency_hz)
-              << (coherence ? fmt::format("{:>19.4f}\n", found.coherence) : "\n");
+              << (coherence ? fmt::format("{:>19}\n", coherence_text(found.coherence)) : "\n");
     }
   }
   if (shown > kMostShown) results << fmt::format("  and {} more\n", shown - kMostShown);
@@ -264,6 +270,10 @@ int told(const std::filesystem::path& path, const File& file, const show::Option
 
 int check_data(const std::filesystem::path& file, const show::Options& options,
                std::ostream& results) {
+  require(
+      options.unit != io::kEachInSi,
+      "--unit SI: only a study knows what each sensor measures; state one unit, or read the file "
+      "in a study");
   try {
     io::FrfOptions frf;
     frf.unit = options.unit;

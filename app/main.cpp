@@ -152,10 +152,7 @@ void add_options(CLI::App& verb, const app::Command& command, std::filesystem::p
                   "absolute folder from which the study may read files")
       ->check(CLI::ExistingDirectory);
   verb.add_flag("--quiet", options.quiet, "no notes and no progress; warnings and errors still");
-  if (command.name == "compare" || command.name == "diagnose" || command.name == "place" ||
-      command.name == "study") {
-    verb.add_flag("--all", options.all, "every table, not only what matters first");
-  }
+  verb.add_flag("--all", options.all, "every table and warning, not only what matters first");
   verb.add_flag("--json", options.json, "the result as JSON on the standard output");
   verb.add_flag("--watch", options.watch, "run again at each change of a file that is read");
   verb.add_flag("--reproducible", options.reproducible, "no wall times in the results");

@@ -21,7 +21,7 @@ namespace {
 bool is_there(const study::MeasurementPlan& plan, show::Run& run) {
   for (const auto& path : {plan.frf, plan.time, plan.validation, plan.modes_file, plan.reference}) {
     if (path.empty() || std::filesystem::exists(path)) continue;
-    run.warn(path.string() + ": there is no such file; what needs it is left out" +
+    run.warn(path.string() + ": there is no such file; nothing that was measured is used" +
              study::source_text(plan));
     return false;
   }
@@ -65,6 +65,7 @@ void run_study(const study::Study& study, show::Run& run) {
                      {placement ? &*placement : nullptr, shapes ? &*shapes : nullptr,
                       diagnosis ? &*diagnosis : nullptr},
                      run);
+  if (!study.specimens.empty()) run.note("specimens are compared by chladni diagnose alone");
   if (!study.expectations.empty()) steps::judge(study, solution, run);
   if (shapes && shapes->measured.identified) steps::require_trust(*shapes->measured.identified);
 }

@@ -43,7 +43,8 @@ void leave_detection_lines(const steps::IdentifiedModel& model, Run& run);
 [[nodiscard]] io::JsonObject identified_json(const study::Study& study,
                                              const steps::IdentifiedModel& model);
 
-/// Magnitudes of at most 24 responses: measured, fitted and residual.
+/// Magnitudes of at most 24 responses: measured, fitted and residual; NaN where not measured.
+[[nodiscard]] io::Plot fit_plot(const steps::IdentifiedModel& model);
 void draw_fit(const steps::IdentifiedModel& model, const io::PictureFile& png);
 
 /// The same for the page, with phases and errors.

@@ -1,7 +1,10 @@
 // Numbers of effects in readable units.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -30,6 +33,11 @@ struct Readable {
   if (unit == "m") return {1e3, "mm"};
   if (unit == "kg" && std::abs(size) < 1.0) return {1e3, "g"};
   return {1.0, unit == "1" ? "" : std::string(unit)};
+}
+
+/// "1 sensor", "2 sensors".
+[[nodiscard]] inline std::string how_many(std::ptrdiff_t count, std::string_view thing) {
+  return fmt::to_string(count) + " " + std::string(thing) + (count == 1 ? "" : "s");
 }
 
 }  // namespace chladni::show

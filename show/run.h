@@ -67,8 +67,14 @@ class Run : public stage::Work {
   /// `--json` prints only the verb's own `main_result`.
   void leave(const std::string& file, io::JsonObject content, bool main_result);
 
+  /// Renames what stands as `file`, where this run could have left it and did not: it would be taken
+  /// for a result of this run. `a.toml` becomes `a_before.toml`, and a warning says so. What the
+  /// study itself is read from stays.
+  void put_aside(const std::string& file);
+
   /// Lets `draw` paint the picture `file`, unless pictures are switched off. The program goes on
-  /// meanwhile. A painter's failure is a warning, and an older picture of that name is removed.
+  /// meanwhile. Input that cannot be drawn and a painter's failure are warnings: all other results
+  /// are there. An older picture of that name is removed where the painter fails.
   void paint(const std::string& file, const std::function<void(const io::PictureFile& png)>& draw);
   /// Waits until all pictures are there.
   /// @throws what prevented one, but for a failure of the painter
@@ -81,6 +87,7 @@ class Run : public stage::Work {
 
  private:
   void put_outdated_aside();
+  void warn_not_painted(const std::string& file, const std::string& why);
 
   const study::Study& study_;
   Options options_;

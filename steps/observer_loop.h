@@ -15,7 +15,8 @@ struct LoopCase {
   double modulus_margin = 0.0;  ///< least singular value of I − L over all frequencies; 0: unstable
   int stable_draws = 0;         ///< of the drawn models
   double worst_margin = 0.0;    ///< over the drawn models; 0: one is unstable
-  std::vector<double> median_rms, worst_rms;  ///< over the stable drawn models
+  /// [m] per point, over all drawn models: those that are unstable count as infinite.
+  std::vector<double> median_rms, worst_rms;
 };
 
 struct LoopTrial {

@@ -16,7 +16,7 @@ using Place = Eigen::Vector2d;
 
 constexpr Colour kMatrixInk{0.13, 0.14, 0.16}, kWhite{1.0, 1.0, 1.0}, kEmpty{0.94, 0.94, 0.95};
 constexpr double kMatrixMargin = 24.0, kHead = 60.0, kName = 14.0, kMatrixLabel = 16.0,
-                 kLargest = 64.0;
+                 kLargest = 64.0, kTallest = 6000.0;
 constexpr Eigen::Index kMost = 200;
 
 /// The layout of the picture [px].
@@ -64,7 +64,8 @@ MatrixSheet matrix_sheet(const MatrixPicture& of) {
   const double left = kMatrixMargin + 26.0 + widest(of.rows) + 10.0;
   sheet.corner = Place(left, kHead + 26.0 + sheet.column_names);
   const double room = sheet.width - left - kMatrixMargin;
-  sheet.square = std::min(kLargest, room / static_cast<double>(of.value.cols()));
+  sheet.square = std::min({kLargest, room / static_cast<double>(of.value.cols()),
+                           kTallest / static_cast<double>(of.value.rows())});
   sheet.height =
       sheet.corner(1) + sheet.square * static_cast<double>(of.value.rows()) + kMatrixMargin;
   const double fits = 0.86 * sheet.square / std::max(widest_number(of), 1e-9);

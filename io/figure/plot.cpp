@@ -271,14 +271,20 @@ void check(const Plot& plot) {
 struct Sheet {
   int columns = 1, rows = 1;
   double width = 1000.0, height = 0.0, first = 0.0;  ///< first: top of the first row of panels
+  double gap = 74.0;                                 ///< between two columns
   Place panel;                                       ///< size of each
-  static constexpr double kLeft = kMargin + 80.0, kGapX = 74.0, kGapY = 66.0;
+  static constexpr double kLeft = kMargin + 80.0, kGapWithLabel = 96.0, kGapY = 66.0;
 
   [[nodiscard]] Place corner(int p) const {
-    return {kLeft + (p % columns) * (panel.x() + kGapX),
-            first + (p / columns) * (panel.y() + kGapY)};
+    return {kLeft + (p % columns) * (panel.x() + gap), first + (p / columns) * (panel.y() + kGapY)};
   }
 };
+
+// True for the panels of the first column, and where the axis is another than the left neighbour's.
+bool has_own_label(const Plot& plot, int columns, int p) {
+  const auto panel = static_cast<std::size_t>(p);
+  return p % columns == 0 || plot.panels[panel].y.label != plot.panels[panel - 1].y.label;
+}
 
 Sheet sheet_of(const Plot& plot, double below_legend) {
   const int count = static_cast<int>(plot.panels.size());
@@ -287,8 +293,12 @@ Sheet sheet_of(const Plot& plot, double below_legend) {
   sheet.columns = std::clamp(plot.columns > 0 ? plot.columns : std::min(even, 4), 1, 8);
   sheet.rows = (count + sheet.columns - 1) / sheet.columns;
   sheet.width = width_of(plot);
+  for (int p = 0; p < count; ++p) {
+    const bool inside = p % sheet.columns != 0;
+    if (inside && has_own_label(plot, sheet.columns, p)) sheet.gap = Sheet::kGapWithLabel;
+  }
   sheet.panel.x() =
-      (sheet.width - Sheet::kLeft - kMargin - (sheet.columns - 1) * Sheet::kGapX) / sheet.columns;
+      (sheet.width - Sheet::kLeft - kMargin - (sheet.columns - 1) * sheet.gap) / sheet.columns;
   sheet.panel.y() = sheet.panel.x() * std::clamp(plot.aspect, 0.2, 2.0);
   sheet.first = below_legend;
   sheet.height = std::ceil(sheet.first + sheet.rows * sheet.panel.y() +
@@ -296,13 +306,14 @@ Sheet sheet_of(const Plot& plot, double below_legend) {
   return sheet;
 }
 
-// Paints labels beside the first column and below the last panel of each column.
+// Paints labels beside the first column, beside each panel whose axis is another than the left
+// neighbour's, and below the last panel of each column.
 void paint_labels(Drawing& drawing, const Plot& plot, const Sheet& sheet, int p) {
   const auto& panel = plot.panels[static_cast<std::size_t>(p)];
   const Place corner = sheet.corner(p), middle = corner + 0.5 * sheet.panel;
-  if (p % sheet.columns == 0) {
-    drawing.text({kMargin + 14.0, middle.y()}, panel.y.label, kLabel, kInk, Drawing::Align::centre,
-                 false, true);
+  if (has_own_label(plot, sheet.columns, p)) {
+    drawing.text({corner.x() - 66.0, middle.y()}, panel.y.label, kLabel, kInk,
+                 Drawing::Align::centre, false, true);
   }
   if (p + sheet.columns >= static_cast<int>(plot.panels.size())) {
     drawing.text({middle.x(), corner.y() + sheet.panel.y() + 44.0}, panel.x.label, kLabel, kInk,

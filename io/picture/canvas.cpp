@@ -4,6 +4,7 @@
 #include <vtkCellArray.h>
 #include <vtkCoordinate.h>
 #include <vtkImageData.h>
+#include <vtkOpenGLRenderWindow.h>
 #include <vtkPNGWriter.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
@@ -11,13 +12,26 @@
 #include <vtkProperty2D.h>
 #include <vtkTextActor.h>
 #include <vtkTextProperty.h>
+#include <vtkTextureObject.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkWindowToImageFilter.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "io/picture/letters.h"
 
 namespace chladni::picture {
 namespace {
 
-constexpr int kFiner = 2;  // the picture is painted larger by this factor
+constexpr int kFiner = 2;       // the picture is painted larger by this factor
+constexpr int kLongest = 8192;  // [px] Mesa paints twice that; a larger window stays black
+
+void require_size(int width, int height, int longest) {
+  require(std::min(width, height) >= 1 && std::max(width, height) <= longest,
+          "a picture of " + std::to_string(width) + " x " + std::to_string(height) +
+              " px, expected 1 to " + std::to_string(longest));
+}
 
 void set_colour(vtkProperty2D* property, const Colour& colour) {
   property->SetColor(colour[0], colour[1], colour[2]);
@@ -59,6 +73,7 @@ void set_style(vtkTextActor* actor, const TextStyle& style) {
 }  // namespace
 
 Canvas::Canvas(int width, int height) : width_(width), height_(height) {
+  require_size(width, height, kLongest);
   window_->SetOffScreenRendering(1);
   window_->SetMultiSamples(0);
   window_->SetSize(kFiner * width, kFiner * height);
@@ -82,7 +97,7 @@ vtkRenderer* Canvas::panel(const Eigen::Vector2d& corner, const Eigen::Vector2d&
 
 void Canvas::text(const Eigen::Vector2d& at, const std::string& words, const TextStyle& style) {
   vtkNew<vtkTextActor> actor;
-  actor->SetInput(words.c_str());
+  actor->SetInput(known_letters(words).c_str());
   set_style(actor, style);
   actor->SetDisplayPosition(static_cast<int>(kFiner * at.x()),
                             static_cast<int>(kFiner * (height_ - at.y())));
@@ -90,6 +105,21 @@ void Canvas::text(const Eigen::Vector2d& at, const std::string& words, const Tex
 }
 
 double Canvas::text_width(const std::string& words, const TextStyle& style) {
+  return measured(known_letters(words), style);
+}
+
+// A letter that the font lacks takes no room between two others.
+std::string Canvas::known_letters(const std::string& words) {
+  return paintable(words, [&](std::string_view letter) {
+    const auto known = has_letter_.find(letter);
+    if (known != has_letter_.end()) return known->second;
+    const std::string one(letter);
+    const bool has = measured("H" + one + "H", {}) > measured("HH", {});
+    return has_letter_.emplace(one, has).first->second;
+  });
+}
+
+double Canvas::measured(const std::string& words, const TextStyle& style) {
   vtkNew<vtkTextActor> actor;
   actor->SetInput(words.c_str());
   set_style(actor, style);
@@ -173,6 +203,9 @@ std::string Canvas::png() {
   grab->SetInputBufferTypeToRGB();
   grab->ReadFrontBufferOff();
   grab->Update();
+  auto* display = vtkOpenGLRenderWindow::SafeDownCast(window_);
+  const int paintable = vtkTextureObject::GetMaximumTextureSize(display);
+  if (paintable > 0) require_size(width_, height_, paintable / kFiner);
   vtkNew<vtkPNGWriter> writer;
   writer->SetInputData(averaged(grab->GetOutput(), width_, height_));
   writer->SetCompressionLevel(6);

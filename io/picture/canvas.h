@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -32,12 +34,14 @@ struct TextStyle {
 /// on every machine.
 class Canvas {
  public:
+  /// @throws InvalidInput  a side is below 1 px or above 8192
   Canvas(int width, int height);
 
   /// A part of the canvas for three-dimensional objects, with a transparent background.
   [[nodiscard]] vtkRenderer* panel(const Eigen::Vector2d& corner, const Eigen::Vector2d& size);
 
-  /// Text with the left end, middle or right end of the baseline at `at`.
+  /// Text with the left end, middle or right end of the baseline at `at`. A "?" stands for letters
+  /// that the font lacks and for bytes that are not UTF-8: VTK paints nothing for them.
   void text(const Eigen::Vector2d& at, const std::string& words, const TextStyle& style);
   /// The width of `words` [px].
   [[nodiscard]] double text_width(const std::string& words, const TextStyle& style);
@@ -52,13 +56,18 @@ class Canvas {
   void polygons(const std::vector<std::vector<Eigen::Vector2d>>& paths, const Colour& colour);
 
   /// Paints and returns the picture as PNG. The same input gives the same bytes.
+  /// @throws InvalidInput  it is larger than what the display can paint
   [[nodiscard]] std::string png();
 
  private:
   void add_paths(const std::vector<std::vector<Eigen::Vector2d>>& paths, const Colour& colour,
                  double width, bool filled);
 
+  [[nodiscard]] std::string known_letters(const std::string& words);
+  [[nodiscard]] double measured(const std::string& words, const TextStyle& style);
+
   int width_, height_;
+  std::map<std::string, bool, std::less<>> has_letter_;  // those asked for, beyond ASCII
   vtkNew<vtkRenderWindow> window_;
   vtkNew<vtkRenderer> front_;
 };

@@ -170,8 +170,6 @@ double paint_sample(Canvas& canvas, double left, double middle, const Colour& co
   return left + 44.0 + canvas.text_width(words, small) + 36.0;
 }
 
-const char* plural(const std::string& kind) { return kind.ends_with("ss") ? "es" : "s"; }
-
 void paint_footer(Canvas& canvas, const Sheet& sheet, double top) {
   const TextStyle small{.size = 18.0, .colour = kGrey};
   const double middle = top + 26.0;
@@ -181,11 +179,10 @@ void paint_footer(Canvas& canvas, const Sheet& sheet, double top) {
   x += canvas.text_width(scale, small) + 36.0;
   x = paint_sample(canvas, x, middle, {0.0, 0.0, 0.0}, 3.0, "nodal line");
   x = paint_sample(canvas, x, middle, kPale, 2.0, "at rest");
-  std::map<std::string, int> kinds;
+  std::map<std::string, std::size_t> kinds;
   for (const std::string& kind : sheet.marker_kinds) ++kinds[kind];
   for (const auto& [kind, count] : kinds) {
-    std::string words = std::to_string(count) + " " + kind + (count == 1 ? "" : plural(kind));
-    std::replace(words.begin(), words.end(), '_', ' ');
+    const std::string words = counted_glyphs(kind, count);
     draw_glyph(canvas, kind, {x + 8.0, middle}, 8.0);
     canvas.text({x + 24.0, middle + 8.0}, words, small);
     x += 24.0 + canvas.text_width(words, small) + 30.0;

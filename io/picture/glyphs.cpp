@@ -1,5 +1,6 @@
 #include "io/picture/glyphs.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -20,13 +21,21 @@ std::vector<Eigen::Vector2d> regular(const Eigen::Vector2d& at, double radius, i
 
 }  // namespace
 
+std::string counted_glyphs(const std::string& kind, std::size_t count) {
+  const char* plural = kind.ends_with("ss") ? "es" : "s";
+  std::string words = std::to_string(count) + " " + kind + (count == 1 ? "" : plural);
+  std::ranges::replace(words, '_', ' ');
+  return words;
+}
+
 int glyph_layer(const std::string& kind) {
-  return kind == "sensor" ? 2 : kind == "actuator" ? 1 : 0;
+  return kind == "sensor" || kind == "held_out_sensor" ? 2 : kind == "actuator" ? 1 : 0;
 }
 
 void draw_glyph(Canvas& canvas, const std::string& kind, const Eigen::Vector2d& at, double radius) {
-  if (kind == "sensor") {
-    canvas.polygon(regular(at, 0.85 * radius, 24, 0.0), kSensor, kInk, 1.2);
+  if (kind == "sensor" || kind == "held_out_sensor") {
+    canvas.polygon(regular(at, 0.85 * radius, 24, 0.0), kind == "sensor" ? kSensor : kWhite, kInk,
+                   1.2);
   } else if (kind == "actuator") {
     canvas.polygon(regular(at, 1.5 * radius, 3, -std::numbers::pi / 2), kActuator, kWhite, 1.2);
   } else {

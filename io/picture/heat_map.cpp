@@ -164,12 +164,11 @@ void paint_legend(Canvas& canvas, const io::Message& request, double top) {
     paint_star(canvas, {x + 10.0, second + 9.0}, 11.0);
     x = paint_entry(canvas, x + 28.0, second, request.head.at("star").string());
   }
-  std::map<std::string, int> kinds;
+  std::map<std::string, std::size_t> kinds;
   for (const auto& marker : request.head.at("markers").array()) ++kinds[marker.at("kind").string()];
   for (const auto& [kind, count] : kinds) {
     draw_glyph(canvas, kind, {x + 8.0, second + 9.0}, 7.0);
-    x = paint_entry(canvas, x + 24.0, second,
-                    std::to_string(count) + " " + kind + (count == 1 ? "" : "s"));
+    x = paint_entry(canvas, x + 24.0, second, counted_glyphs(kind, count));
   }
 }
 

@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
+#include <string>
 
 #include "io/picture/body.h"
 #include "io/picture/glyphs.h"
@@ -12,6 +15,8 @@ namespace chladni::picture {
 namespace {
 
 constexpr double kWidth = 1000.0, kMargin = 40.0, kGap = 24.0, kHeader = 96.0, kLabel = 50.0;
+constexpr double kLegendRow = 30.0;
+constexpr std::array kShown{"sensor", "held_out_sensor", "actuator"};
 const TextStyle kSmall{.size = 17.0, .colour = kGrey};
 
 void paint_panel(Canvas& canvas, const io::Message& request, std::size_t number, const Body& body,
@@ -22,7 +27,7 @@ void paint_panel(Canvas& canvas, const io::Message& request, std::size_t number,
   look(space, frame.view, frame.size.y(), body.diagonal);
   const auto& places = request.numbers("places_" + std::to_string(number));
   const auto& kinds = panel.at("kinds").array();
-  for (const char* kind : {"sensor", "actuator"}) {
+  for (const char* kind : kShown) {
     for (Eigen::Index m = 0; m < places.rows(); ++m) {
       if (kinds[static_cast<std::size_t>(m)].string() != kind) continue;
       draw_glyph(canvas, kind, frame.on_canvas(places.row(m).transpose()), 6.0);
@@ -50,6 +55,23 @@ void paint_bar(Canvas& canvas, const io::Message& request, double top) {
   canvas.text({x + 10.0, top + 15.0}, request.head.at("scale").string(), kSmall);
 }
 
+// The signs that the panels have. Panels differ in their channels, so none are counted.
+void paint_signs(Canvas& canvas, const io::Message& request, double top) {
+  std::set<std::string> there;
+  for (const auto& panel : request.head.at("panels").array()) {
+    for (const auto& kind : panel.at("kinds").array()) there.insert(kind.string());
+  }
+  double x = kMargin;
+  for (const std::string kind : kShown) {
+    if (!there.contains(kind)) continue;
+    std::string words = kind;
+    std::ranges::replace(words, '_', ' ');
+    draw_glyph(canvas, kind, {x + 8.0, top + 9.0}, 7.0);
+    canvas.text({x + 24.0, top + 15.0}, words, kSmall);
+    x += 24.0 + canvas.text_width(words, kSmall) + 26.0;
+  }
+}
+
 }  // namespace
 
 std::string layouts(const io::Message& request) {
@@ -65,7 +87,7 @@ std::string layouts(const io::Message& request) {
   const MapFrame sample = map_frame(body.points, {0.0, 0.0}, width, 460.0);
   const double pitch = sample.size.y() + kLabel + kGap;
   const double below = kHeader + rows * pitch + 4.0;
-  Canvas canvas(static_cast<int>(kWidth), static_cast<int>(std::ceil(below + 44.0)));
+  Canvas canvas(static_cast<int>(kWidth), static_cast<int>(std::ceil(below + kLegendRow + 44.0)));
   paint_title(canvas, request.head.at("title").string(), kMargin, kWidth);
   for (int p = 0; p < count; ++p) {
     const Eigen::Vector2d corner(kMargin + (p % columns) * (width + kGap),
@@ -74,6 +96,7 @@ std::string layouts(const io::Message& request) {
                 map_frame(body.points, corner, width, 460.0));
   }
   paint_bar(canvas, request, below);
+  paint_signs(canvas, request, below + kLegendRow);
   return canvas.png();
 }
 

@@ -3,6 +3,7 @@
 
 #include "io/picture/body.h"
 #include "io/picture/canvas.h"
+#include "io/picture/letters.h"
 #include "io/picture/map_frame.h"
 #include "io/picture/pictures.h"
 #include "io/picture/title.h"
@@ -43,17 +44,6 @@ void paint_panel(Canvas& canvas, const io::Message& request, std::size_t number,
   canvas.text(frame.corner - Eigen::Vector2d(0.0, 4.0), head.at("title").string(), kSmall);
 }
 
-// The words, shortened to end before the next column.
-std::string cut(Canvas& canvas, std::string words, double room) {
-  if (canvas.text_width(words, kSmall) <= room) return words;
-  while (words.size() > 1 && canvas.text_width(words + "...", kSmall) > room) {
-    do {
-      words.pop_back();
-    } while (!words.empty() && (static_cast<unsigned char>(words.back()) & 0xC0U) == 0x80U);
-  }
-  return words + "...";
-}
-
 void paint_row(Canvas& canvas, const io::Json& row, double left, double top, double width) {
   paint_rectangle(canvas, left, top, 40.0, 18.0,
                   io::categorical(static_cast<int>(row.at("colour").number())), 0.6);
@@ -63,8 +53,10 @@ void paint_row(Canvas& canvas, const io::Json& row, double left, double top, dou
   canvas.text({left + width - 24.0, top + 15.0}, area,
               {.size = 15.0, .colour = kGrey, .align = TextStyle::Align::right});
   const double room = width - 24.0 - 50.0 - canvas.text_width(area, kSmall);
-  canvas.text({left + 48.0, top + 15.0}, cut(canvas, row.at("name").string(), room),
-              {.size = 17.0});
+  const auto fits = [&](const std::string& part) {
+    return canvas.text_width(part, kSmall) <= room;
+  };
+  canvas.text({left + 48.0, top + 15.0}, shortened(row.at("name").string(), fits), {.size = 17.0});
 }
 
 }  // namespace

@@ -9,6 +9,6 @@ namespace chladni::picture {
 
 /// Paints one line between the margins [px]. The letters get smaller, then the words are cut, until
 /// the line fits.
-void paint_title(Canvas& canvas, std::string words, double margin, double width);
+void paint_title(Canvas& canvas, const std::string& words, double margin, double width);
 
 }  // namespace chladni::picture

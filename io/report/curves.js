@@ -100,7 +100,7 @@
       const add = (one, y, more) => {
         tables.push([one.x, y]);
         series.push({ label: one.name, stroke: colours.series[one.colour], width: 1.5, points: { show: false },
-          value: (u, v) => (v == null ? "\u2013" : word(Number(v.toPrecision(3)))), ...more });
+          value: (u, v) => (v == null ? "\u2013" : word(Number(v.toPrecision(pane.bits > 8 ? 3 : 2)))), ...more });
       };
       all.forEach((one) => {
         if (one.upper) {

@@ -26,6 +26,7 @@ std::string with_two_digits(double value) {
   if (value >= 10.0) return fmt::format("{:.0f}", value);
   if (value >= 1.0) return fmt::format("{:.1f}", value);
   if (value >= 0.1) return fmt::format("{:.2f}", value);
+  if (std::isnan(value)) return "";
   return value >= 1e-3 ? fmt::format("{:.1g}", value) : "< 0.001";
 }
 

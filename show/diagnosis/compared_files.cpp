@@ -60,7 +60,9 @@ io::JsonObject compared_json(const steps::StudyComparison& one) {
 
 void leave_compared(const steps::StudyComparison& one, Run& run) {
   run.leave("comparison.json", compared_json(one), true);
-  if (one.modes) return;
+  if (one.modes) {
+    return;
+  }
   run.paint("responses.png", [&](const auto& png) {
     draw_responses(png, one.measured.all, one.predictions.before);
   });

@@ -88,8 +88,9 @@ std::vector<std::string> frequencies(const std::vector<double>& hz) {
   return names;
 }
 
-std::string response_label(const modal::MeasuredChannel& output) {
-  return output.unit.empty() ? "|response|" : "|response| [" + output.unit + "/N]";
+std::string label_of(const modal::FrfSet& measured, Eigen::Index i, Eigen::Index j) {
+  return response_label(measured.outputs[static_cast<std::size_t>(i)],
+                        measured.inputs[static_cast<std::size_t>(j)]);
 }
 
 }  // namespace
@@ -110,8 +111,7 @@ void draw_responses(const io::PictureFile& png, const modal::FrfSet& measured,
     io::PlotPanel panel;
     panel.title = response_name(measured, i, j) + (seen && !seen(i, j) ? ", held out" : "");
     panel.x = {.label = "frequency [Hz]", .logarithmic = wide};
-    panel.y = {.label = response_label(measured.outputs[static_cast<std::size_t>(i)]),
-               .logarithmic = true};
+    panel.y = {.label = label_of(measured, i, j), .logarithmic = true};
     add_measured(measured, i, j, panel);
     panel.series.push_back(line("simulated", f, response(before, i, j).cwiseAbs(), kVermilion));
     if (!after.empty()) {
@@ -130,6 +130,7 @@ io::Curves compared_responses(const modal::FrfSet& measured,
   std::vector<Prediction> predictions{{"simulated", kVermilion}};
   if (!after.empty()) predictions.push_back({"with the causes", kBlue});
   std::vector<OneResponse> all;
+  std::vector<std::string> labels;
   for (Eigen::Index e = 0; e < measured.output_count() * measured.input_count(); ++e) {
     const auto i = e / measured.input_count(), j = e % measured.input_count();
     OneResponse one{response_name(measured, i, j) + (seen && !seen(i, j) ? ", held out" : ""),
@@ -144,9 +145,10 @@ io::Curves compared_responses(const modal::FrfSet& measured,
       }
     }
     all.push_back(std::move(one));
+    labels.push_back(label_of(measured, i, j));
   }
-  return response_curves(measured.frequency_hz, predictions, std::move(all),
-                         response_label(measured.outputs[0]));
+  const auto label = common_label(labels, all);
+  return response_curves(measured.frequency_hz, predictions, std::move(all), label);
 }
 
 io::MatrixPicture mac_picture(const diagnosis::Comparison& comparison) {

@@ -75,7 +75,11 @@ void leave_map(const study::Study& study, const steps::Diagnosed& one, Run& run)
   const stage::Solution& solution = one.before;
   const auto& surface = one.structure.surface;
   const auto& map = one.result.map;
-  if (map.explained.size() == 0) return;
+  if (map.explained.size() == 0) {
+    run.put_aside("cause_map.vtu");
+    run.put_aside("cause_map.png");
+    return;
+  }
   const auto faces = stage::diagnosed_faces(study, solution.model.body);
   const auto& chart = faces.chart;
   const Top top = top_of(solution.model.body, faces);
@@ -85,7 +89,7 @@ void leave_map(const study::Study& study, const steps::Diagnosed& one, Run& run)
   io::write_surface_vtu(run / "cause_map.vtu", top.points, top.triangles,
                         {{"explained", explained}, {"posterior_per_m2", posterior}},
                         {study.title, {"length: m", "explained: part of the misfit over noise"}});
-  if (!run.options().pictures) return;
+  if (!run.options().pictures) return run.put_aside("cause_map.png");
   const double most = std::clamp(explained.maxCoeff(), 1e-3, 1.0);
   io::HeatMapPicture picture;
   picture.title = "Where one thing in one place would explain the difference";
@@ -115,9 +119,15 @@ bool is_fitted(const steps::Diagnosed& one, Index i, Index j) {
 void leave_diagnosis(const study::Study& study, const steps::Diagnosed& one, Run& run,
                      bool main_result) {
   run.leave("diagnosis.json", diagnosis_json(one), main_result);
-  if (one.extended) write_atomically(run / "extended.toml", one.extended->text);
+  if (one.extended) {
+    write_atomically(run / "extended.toml", one.extended->text);
+  } else {
+    run.put_aside("extended.toml");
+  }
   leave_map(study, one, run);
-  if (one.modes) return;
+  if (one.modes) {
+    return;
+  }
   const auto& after =
       one.predictions.fitted.empty() ? one.predictions.extended : one.predictions.fitted;
   const auto seen = [&](Index i, Index j) { return is_fitted(one, i, j); };

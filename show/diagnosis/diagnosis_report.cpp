@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <utility>
@@ -39,7 +40,11 @@ io::Table modes_table(const diagnosis::ModeComparison& modes) {
   return table;
 }
 
+// A name at the front, as s1 or extended.toml, stays as it is.
 std::string sentence(std::string line) {
+  const auto word = line.substr(0, line.find_first_of(" :,"));
+  const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0; };
+  if (word.empty() || !std::ranges::all_of(word, is_letter)) return line + ".";
   line.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(line.front())));
   return line + ".";
 }

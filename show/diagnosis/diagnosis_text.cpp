@@ -195,7 +195,7 @@ std::string verdict_text(const diagnosis::Diagnosis& result) {
       return (is_of_modes ? "Named: " : "Named, down to the noise: ") +
              explanation_text(result.best) + ".";
     case diagnosis::Verdict::ambiguous:
-      return "Two or more explanations are equally good; the likeliest: " +
+      return "Other explanations are not ruled out; the likeliest: " +
              explanation_text(result.best) + ".";
     case diagnosis::Verdict::partial:
       return "Much of it, not all: " + explanation_text(result.best) +

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -70,6 +71,27 @@ io::Json bands_json(const std::vector<std::pair<double, double>>& bands) {
   return array;
 }
 
+// NaN where no part of that kind was held out.
+double gain_of(const CrossValidation& tested, Kind kind) {
+  const bool any = std::ranges::count(tested.parts, kind, &diagnosis::HeldOutPart::kind) > 0;
+  return any ? tested.gain(kind) : std::nan("");
+}
+
+// "within noise and tolerances the causes explain held-out data better by 12 (sensors) ..."; empty
+// where neither sensors nor lines were held out.
+std::string likelihood_line(const CrossValidation& tested) {
+  std::vector<std::string> gains;
+  for (const auto& [kind, word] : kKinds) {
+    const double gain = kind == Kind::upper_band ? NAN : gain_of(tested, kind);
+    if (std::isfinite(gain)) gains.push_back(fmt::format("{:.3g} ({})", gain, word));
+  }
+  if (gains.empty()) return "";
+  return fmt::format(
+      "within noise and tolerances the causes explain held-out data better by {} in ln "
+      "likelihood{}",
+      fmt::join(gains, " and "), tested.pays() ? "" : ": they do not pay");
+}
+
 io::JsonObject cross_validation_json(const CrossValidation& tested) {
   io::JsonArray parts;
   for (const auto& part : tested.parts) {
@@ -84,7 +106,7 @@ io::JsonObject cross_validation_json(const CrossValidation& tested) {
   }
   io::JsonObject json{{"pays", tested.pays()}};
   for (const auto& [kind, key] : kKinds) {
-    json.emplace_back(fmt::format("log_likelihood_gain_{}", key), tested.gain(kind));
+    json.emplace_back(fmt::format("log_likelihood_gain_{}", key), gain_of(tested, kind));
   }
   json.emplace_back("parts", std::move(parts));
   return json;
@@ -145,11 +167,7 @@ std::vector<std::string> gain_lines(const steps::Diagnosed& one) {
   if (!tested) return lines;
   lines.emplace_back(
       "in turn: the reduced model, the numbers of the causes fitted to all other data");
-  lines.push_back(fmt::format(
-      "within noise and tolerances the causes explain held-out data better by {:.3g} (sensors) and "
-      "{:.3g} (lines) in ln likelihood{}",
-      tested->gain(Kind::sensors), tested->gain(Kind::lines),
-      tested->pays() ? "" : ": they do not pay"));
+  if (auto line = likelihood_line(*tested); !line.empty()) lines.push_back(std::move(line));
   return lines;
 }
 

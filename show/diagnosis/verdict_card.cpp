@@ -2,28 +2,29 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "base/percent.h"
 #include "show/diagnosis.h"
 #include "show/diagnosis/detectable_text.h"
+#include "show/diagnosis/modes_told.h"
 
 namespace chladni::show {
 namespace {
 
 using diagnosis::Verdict;
 
-std::string heading(Verdict verdict, bool of_modes) {
-  switch (verdict) {
+std::string heading(const steps::Diagnosed& one) {
+  switch (one.result.verdict) {
     case Verdict::no_discrepancy:
-      return of_modes ? "Nothing that was measured asks for a change of the simulation."
-                      : "The simulation agrees with what was measured, within noise and "
-                        "tolerances.";
+      return verdict_text(one.result);
     case Verdict::named:
-      return of_modes ? "The cause is named."
-                      : "The cause is named: within the tolerances only noise is left.";
+      return steps::is_of_modes(one)
+                 ? "The cause is named."
+                 : "The cause is named: within the tolerances only noise is left.";
     case Verdict::ambiguous:
-      return "Two or more explanations are equally good. The likeliest:";
+      return "Other explanations are not ruled out. The likeliest:";
     case Verdict::partial:
       return "Much of it is explained, not all. Something more is at work.";
     case Verdict::unexplained:
@@ -54,13 +55,13 @@ std::vector<io::Card::Figure> figures_of(const steps::Diagnosed& one) {
   const auto add = [&](double value, const char* label) {
     if (std::isfinite(value)) figures.push_back({percent(value), label});
   };
-  const bool changed = !one.result.best.causes.empty();
+  const bool by_cause = !one.result.best.causes.empty();
   if (one.modes) {
     add(frequencies_off(one.result.modes, &diagnosis::ModeTold::before_hz),
         "frequencies off, as simulated");
-    if (changed) {
+    if (changes_modes(one.result)) {
       add(frequencies_off(one.result.modes, &diagnosis::ModeTold::after_hz),
-          "frequencies off, with the cause");
+          by_cause ? "frequencies off, with the cause" : "frequencies off, calibrated");
     }
     return figures;
   }
@@ -82,7 +83,8 @@ std::string held_out_line(const steps::Gain& gain) {
 
 std::vector<std::string> next_steps(const steps::Diagnosed& one) {
   std::vector<std::string> steps;
-  if (!one.result.measure_next.empty()) steps.push_back("measure " + one.result.measure_next + ".");
+  if (!one.result.measure_next.empty())
+    steps.push_back("measure next: " + one.result.measure_next + ".");
   const auto verdict = one.result.verdict;
   const bool believed = steps::advice_against(one.gain).empty();
   if (verdict == Verdict::named && believed) {
@@ -93,7 +95,10 @@ std::vector<std::string> next_steps(const steps::Diagnosed& one) {
   }
   if (verdict == Verdict::no_discrepancy) {
     auto sizes = detectable_sentence(one.detectable, one.least_evidence);
-    if (!sizes.empty()) steps.push_back("nothing has to be changed. " + sizes);
+    const bool calibrated = !one.result.constants.empty() && one.extended;
+    if (calibrated)
+      steps.emplace_back("take the calibrated constants, which are in extended.toml.");
+    if (!sizes.empty()) steps.push_back((calibrated ? "" : "nothing has to be changed. ") + sizes);
   }
   if (verdict == Verdict::partial || verdict == Verdict::unexplained) {
     steps.emplace_back("see below where the difference lies: in which channels, at which lines.");
@@ -109,7 +114,7 @@ io::Card verdict_card(const steps::Diagnosed& one) {
   const bool good = verdict == Verdict::named || verdict == Verdict::no_discrepancy;
   io::Card card;
   card.tone = good && advice.empty() ? io::Note::Tone::good : io::Note::Tone::warning;
-  card.heading = heading(verdict, steps::is_of_modes(one));
+  card.heading = heading(one);
   for (const auto& cause : one.result.best.causes) card.lines.push_back(cause_line(cause));
   if (!advice.empty()) card.lines.push_back(advice);
   if (auto line = held_out_line(one.gain); !line.empty()) card.lines.push_back(std::move(line));

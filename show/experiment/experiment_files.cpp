@@ -77,6 +77,8 @@ io::Json strokes_json(const study::Study& study, const ExperimentDesign& design)
 
 void add_multisine(const study::Study& study, const ExperimentDesign& design,
                    io::JsonObject& json) {
+  const bool tried = design.low_crest_factor > 0.0;
+  const double low_crest = tried ? design.low_crest_factor : std::nan("");
   json.insert(json.end(), {{"sample_rate_hz", study.experiment->sample_rate_hz},
                            {"samples", static_cast<long long>(design.period)},
                            {"period_s", design.period_s()},
@@ -90,7 +92,7 @@ void add_multisine(const study::Study& study, const ExperimentDesign& design,
                            {"line_count", static_cast<long long>(design.line_hz.size())},
                            {"resolution_hz", design.spacing_hz},
                            {"crest_factor", design.crest_factor},
-                           {"low_crest_factor", design.low_crest_factor},
+                           {"low_crest_factor", low_crest},
                            {"even_spectrum_needs_s", design.flat_seconds},
                            {"this_spectrum_needs_s", design.shaped_seconds},
                            {"forces", forces_json(study, design)},

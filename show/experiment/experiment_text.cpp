@@ -8,6 +8,7 @@
 #include "io/result_table.h"
 #include "show/experiment.h"
 #include "show/experiment/experiment_words.h"
+#include "show/readable.h"
 
 namespace chladni::show {
 namespace {
@@ -37,12 +38,13 @@ std::string multisine_text(const study::Study& study,
                            const identification::ExperimentDesign& design) {
   const auto experiments = study.actuators.size();
   std::string text = fmt::format(
-      "{} realisations of {} {}, {}, sampled at {:.6g} Hz\n"
+      "{} of {}, {}, sampled at {:.6g} Hz\n"
       "each: {} of {:.4g} s to settle, the force rising over {:.3g} s; then {} recorded periods; "
       "then {:.3g} s to fade out\n"
       "{} samples a period, {} lines from {:.6g} to {:.6g} Hz, {:.4g} Hz apart; crest factor "
       "{:.2f}\n",
-      design.realisations.size(), experiments, experiments == 1 ? "experiment" : "experiments",
+      how_many(std::ssize(design.realisations), "realisation"),
+      how_many(static_cast<std::ptrdiff_t>(experiments), "experiment"),
       study.experiment->inputs == "orthogonal" ? "all actuators at once" : "one actuator at a time",
       study.experiment->sample_rate_hz,
       design.settle == 1 ? "one period" : fmt::format("{} periods", design.settle),
@@ -124,7 +126,8 @@ std::string modes_table(const steps::DesignedExperiment& designed) {
   std::vector<std::string> number, why;
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto& mode = modes[static_cast<std::size_t>(i)];
-    number.push_back(fmt::to_string(mode.mode - designed.rigid_count + 1));
+    number.push_back(
+        fmt::format("{} (flex {})", mode.mode + 1, mode.mode - designed.rigid_count + 1));
     hz(i) = mode.frequency_hz;
     ratio(i) = mode.damping_ratio;
     hz_std(i) = mode.frequency_std_hz;
@@ -133,7 +136,7 @@ std::string modes_table(const steps::DesignedExperiment& designed) {
     why.push_back(mode.why);
   }
   io::ResultTable table{"Expected deviations", {}};
-  table.columns = {io::word_column("mode", number, 4),
+  table.columns = {io::word_column("mode", number, 12),
                    io::number_column("frequency", "Hz", hz, {"{:.2f}"}, 10),
                    io::number_column("damping", "%", ratio, {"{:.3g}", 100.0}, 8),
                    io::number_column("+- Hz", "", hz_std, {"{:.2g}"}, 9),
@@ -189,8 +192,9 @@ std::string experiment_verdict(const study::Study& study,
   std::vector<std::string> missed;
   for (const auto& mode : modes) {
     if (mode.reached) continue;
-    missed.push_back(fmt::format("mode {} ({:.6g} Hz): {}", mode.mode - designed.rigid_count + 1,
-                                 mode.frequency_hz, mode.why));
+    missed.push_back(fmt::format("mode {} (flex {}, {:.6g} Hz): {}", mode.mode + 1,
+                                 mode.mode - designed.rigid_count + 1, mode.frequency_hz,
+                                 mode.why));
   }
   const auto band = fmt::format("from {:.4g} to {:.4g} Hz", designed.low_hz, designed.high_hz);
   if (missed.size() == modes.size()) {

@@ -10,6 +10,7 @@
 #include "host/atomic_file.h"
 #include "io/control_model.h"
 #include "show/control_models.h"
+#include "show/readable.h"
 
 namespace chladni::show {
 namespace {
@@ -73,7 +74,8 @@ std::string control_models_text(const steps::ControlModels& models, const std::s
                         models.all_states, models.error_bound, models.hankel(0));
   }
   if (of_delays > 0) text += fmt::format(" and {} of Pade delays", of_delays);
-  text += fmt::format(", {} inputs, {} outputs{}\n", model.inputs.size(), model.outputs.size(),
+  text += fmt::format(", {}, {}{}\n", how_many(std::ssize(model.inputs), "input"),
+                      how_many(std::ssize(model.outputs), "output"),
                       delay_text(model.input_delay, model.output_delay));
   if (models.discrete) text += sampled_text(*models.discrete, stem);
   return text + "in MATLAB: m = load('" + stem +

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
+#include "base/error.h"
 #include "io/plot.h"
 #include "show/identification.h"
 #include "show/identification/response_curves.h"
@@ -16,6 +18,13 @@ namespace {
 constexpr Eigen::Index kMostPanels = 24, kMostValues = 4;
 constexpr int kInk = 0, kBlueLine = 1, kVermilion = 2, kGrey = 6;
 
+// The measured response, K; NaN where the fit has no value.
+Eigen::VectorXcd measured_of(const identification::FitData& data, Eigen::Index response) {
+  const Eigen::VectorXcd value = data.value.col(response);
+  return (data.weight.col(response).array() > 0.0)
+      .select(value.array(), std::complex<double>(std::nan(""), std::nan("")));
+}
+
 io::PlotPanel response_panel(const steps::IdentifiedModel& model, const Eigen::MatrixXcd& fitted,
                              Eigen::Index e) {
   const auto& data = model.data;
@@ -25,7 +34,8 @@ io::PlotPanel response_panel(const steps::IdentifiedModel& model, const Eigen::M
   panel.title = response_name(model.seen, e % data.outputs, e / data.outputs);
   panel.x = {.label = "frequency [Hz]", .logarithmic = wide > 5.0};
   panel.y = {.label = receptance_label(model.seen.inputs[j]), .logarithmic = true};
-  const Eigen::VectorXd size = data.value.col(e).cwiseAbs();
+  const Eigen::VectorXcd measured = measured_of(data, e);
+  const Eigen::VectorXd size = measured.cwiseAbs();
   panel.series.push_back({.name = "measured",
                           .x = data.frequency_hz,
                           .y = size,
@@ -33,7 +43,7 @@ io::PlotPanel response_panel(const steps::IdentifiedModel& model, const Eigen::M
                           .style = io::PlotSeries::Style::dots,
                           .colour = kGrey,
                           .width = 0.0});
-  const Eigen::VectorXd left = (data.value.col(e) - fitted.col(e)).cwiseAbs();
+  const Eigen::VectorXd left = (measured - fitted.col(e)).cwiseAbs();
   panel.series.push_back({.name = "measured less fitted",
                           .x = data.frequency_hz,
                           .y = left,
@@ -48,8 +58,9 @@ io::PlotPanel response_panel(const steps::IdentifiedModel& model, const Eigen::M
                           .style = io::PlotSeries::Style::line,
                           .colour = kInk,
                           .width = 1.2});
-  panel.y.low = std::max(1e-6 * size.maxCoeff(), 0.1 * left.minCoeff());
-  panel.y.high = 2.0 * size.maxCoeff();
+  const double largest = size.maxCoeff<Eigen::PropagateNumbers>();
+  panel.y.low = std::max(1e-6 * largest, 0.1 * left.minCoeff<Eigen::PropagateNumbers>());
+  panel.y.high = 2.0 * largest;
   return panel;
 }
 
@@ -110,7 +121,7 @@ io::PlotPanel indicator_panel(const steps::IdentifiedModel& model) {
 
 }  // namespace
 
-void draw_fit(const steps::IdentifiedModel& model, const io::PictureFile& png) {
+io::Plot fit_plot(const steps::IdentifiedModel& model) {
   const auto& data = model.data;
   const Eigen::MatrixXcd fitted = identification::responses(model.found.fit, data.frequency_hz);
   io::Plot plot{.title = "Measured and fitted responses", .panels = {}, .columns = 0};
@@ -124,31 +135,36 @@ void draw_fit(const steps::IdentifiedModel& model, const io::PictureFile& png) {
       }
     }
   }
-  io::draw_plot(png, plot);
+  return plot;
+}
+
+void draw_fit(const steps::IdentifiedModel& model, const io::PictureFile& png) {
+  io::draw_plot(png, fit_plot(model));
 }
 
 io::Curves fitted_curves(const steps::IdentifiedModel& model) {
   const auto& data = model.data;
   const Eigen::MatrixXcd fitted = identification::responses(model.found.fit, data.frequency_hz);
   std::vector<OneResponse> all;
+  std::vector<std::string> labels;
   for (Eigen::Index e = 0; e < data.response_count(); ++e) {
     const Eigen::VectorXd weight = data.weight.col(e);
     if (weight.maxCoeff() <= 0.0) continue;
     OneResponse one{response_name(model.seen, e % data.outputs, e / data.outputs),
-                    data.value.col(e),
+                    measured_of(data, e),
                     {},
                     {fitted.col(e)}};
     // A deviation that a model error is part of is no noise.
-    if (data.noise_known) one.deviation = weight.cwiseInverse();
-    for (Eigen::Index k = 0; k < weight.size(); ++k) {
-      if (weight(k) > 0.0) continue;
-      one.measured(k) = std::nan("");
-      if (data.noise_known) one.deviation(k) = std::nan("");
+    if (data.noise_known) {
+      one.deviation = (weight.array() > 0.0).select(weight.cwiseInverse().array(), std::nan(""));
     }
     all.push_back(std::move(one));
+    const auto j = static_cast<std::size_t>(e / data.outputs);
+    labels.push_back(receptance_label(model.seen.inputs[j]));
   }
-  return response_curves(data.frequency_hz, {{"fitted", kBlueLine}}, std::move(all),
-                         receptance_label(model.seen.inputs[0]));
+  require(!all.empty(), "curves of the fit: nothing was measured");
+  const auto label = common_label(labels, all);
+  return response_curves(data.frequency_hz, {{"fitted", kBlueLine}}, std::move(all), label);
 }
 
 io::Plot stabilisation_plot(const steps::IdentifiedModel& model) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/percent.h"
 #include "io/csv.h"
 #include "io/mat.h"
 #include "io/shape_table.h"
@@ -11,13 +12,12 @@
 #include "show/control_models.h"
 #include "show/identification.h"
 #include "show/modes_uff.h"
+#include "show/readable.h"
 #include "show/rigid_body.h"
 #include "steps/identification.h"
 
 namespace chladni::show {
 namespace {
-
-std::string percent(double part) { return fmt::format("{:.3g} %", 100.0 * part); }
 
 const char* matched_by(identification::MatchedBy by) {
   switch (by) {
@@ -289,9 +289,9 @@ std::string identification_table(const steps::IdentifiedModel& model) {
   const auto& fit = model.found.fit;
   const auto& data = model.data;
   std::string text = quality_text(model);
-  text += fmt::format("{} sensors, {} actuators, {} lines, {:.6g} to {:.6g} Hz\n\n{}", data.outputs,
-                      data.inputs, data.line_count(), data.frequency_hz(0),
-                      data.frequency_hz(data.line_count() - 1),
+  text += fmt::format("{}, {}, {}, {:.6g} to {:.6g} Hz\n\n{}", how_many(data.outputs, "sensor"),
+                      how_many(data.inputs, "actuator"), how_many(data.line_count(), "line"),
+                      data.frequency_hz(0), data.frequency_hz(data.line_count() - 1),
                       io::text(identified_modes_table(model)));
   if (fit.complex) text += complex_table(fit);
   text += fmt::format("\nresponses off by {} of their size, {}",
@@ -342,7 +342,8 @@ io::JsonObject identified_json(const study::Study& study, const steps::Identifie
                       {"noise_floor", io::Json::rows(model.noise)},
                       {"order", steps_json(model.found)},
                       {"stabilisation", stabilisation_json(model.stabilisation)},
-                      {"notes", io::Json::texts(fit.notes)}};
+                      {"notes", io::Json::texts(fit.notes)},
+                      {"warnings", io::Json::texts(model.match.warnings)}};
   add_what_some_have(study, model, json);
   return json;
 }
@@ -364,13 +365,11 @@ void leave_identification(const study::Study& study, const steps::IdentifiedMode
       {row_names(model), extended.frequency_hz(within), extended.damping_ratio(within),
        model.match.shapes(Eigen::all, within), model.match.deviation(Eigen::all, within)});
   leave_modes_uff(study, model, run);
-  if (run.options().pictures) {
-    tell(run.progress(), "drawing");
-    run.paint("fit.png", [&](const auto& png) { draw_fit(model, png); });
-    if (!model.stabilisation.empty()) {
-      run.paint("stabilisation.png", [&](const auto& png) { draw_stabilisation(model, png); });
-    }
-  }
+  if (run.options().pictures) tell(run.progress(), "drawing");
+  run.paint("fit.png", [&](const auto& png) { draw_fit(model, png); });
+  run.paint("stabilisation.png", [&](const auto& png) {
+    if (!model.stabilisation.empty()) draw_stabilisation(model, png);
+  });
   run.leave("identified.json", identified_json(study, model), main_result);
   leave_control_models(study, model, run);
 }

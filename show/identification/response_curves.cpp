@@ -149,6 +149,19 @@ double relative_error(const Eigen::VectorXcd& measured, const Eigen::VectorXcd& 
   return size > 0.0 ? std::sqrt(wrong / size) : std::numeric_limits<double>::quiet_NaN();
 }
 
+std::string common_label(const std::vector<std::string>& labels,
+                         std::vector<OneResponse>& responses) {
+  const auto unit_of = [](const std::string& label) {
+    return std::min(label.find(" ["), label.size());
+  };
+  const auto& first = labels.front();
+  if (std::ranges::count(labels, first) == std::ssize(labels)) return first;
+  for (std::size_t r = 0; r < responses.size(); ++r) {
+    responses[r].name += labels[r].substr(unit_of(labels[r]));
+  }
+  return first.substr(0, unit_of(first));
+}
+
 io::Curves response_curves(const Eigen::VectorXd& frequency_hz,
                            const std::vector<Prediction>& predictions,
                            std::vector<OneResponse> responses, const std::string& label,

@@ -26,6 +26,12 @@ struct Prediction {
 [[nodiscard]] double relative_error(const Eigen::VectorXcd& measured,
                                     const Eigen::VectorXcd& predicted);
 
+/// The label of an axis for all of `responses`, each of which has one of `labels`: "receptance
+/// [m/N]". Where they differ, it has no unit, and each response gets its own behind its name.
+/// @param labels  at least one
+[[nodiscard]] std::string common_label(const std::vector<std::string>& labels,
+                                       std::vector<OneResponse>& responses);
+
 /// The responses as choices, those that the first prediction misses most first. As many as fit into
 /// about `bytes` of the page, four at least; of more than 1500 lines those that keep peaks and
 /// troughs. What is left out stands in the caption.

@@ -32,4 +32,11 @@ inline constexpr double kBandAlong = 1.3859;
   return "receptance [m/" + (input.unit.empty() ? "N" : input.unit) + "]";
 }
 
+/// "|response| [m/s^2/V]": without a unit where the output states none.
+[[nodiscard]] inline std::string response_label(const modal::MeasuredChannel& output,
+                                                const modal::MeasuredChannel& input) {
+  if (output.unit.empty()) return "|response|";
+  return "|response| [" + output.unit + "/" + (input.unit.empty() ? "N" : input.unit) + "]";
+}
+
 }  // namespace chladni::show

@@ -47,7 +47,7 @@ std::vector<io::Marker> measured_markers(const steps::Interpolated& result) {
     }
   };
   add(result.measured.shapes.places, result.measured.channels, "sensor");
-  add(result.measured.hidden.places, result.measured.hidden_channels, "actuator");
+  add(result.measured.hidden.places, result.measured.hidden_channels, "held_out_sensor");
   return markers;
 }
 
@@ -103,7 +103,7 @@ void leave_table(const steps::Interpolated& result, const stage::Solution& solut
         result.direction.value_or(sites[k].normal).transpose();
   }
   const auto places = steps::places_at(sites, directions, solution.modes, result.harmonics);
-  const auto field = result.methods.front().field->at(places);
+  const auto field = steps::field_at(result.methods.front(), places);
   std::vector<io::CsvColumn> columns = {{"x_m", Eigen::VectorXd(places.position.col(0))},
                                         {"y_m", Eigen::VectorXd(places.position.col(1))},
                                         {"z_m", Eigen::VectorXd(places.position.col(2))}};

@@ -9,13 +9,22 @@
 namespace chladni::show {
 namespace {
 
+// NaN where no model was drawn, or one of them is unstable.
+double worst_margin(const steps::LoopCase& one, int draws) {
+  return draws > 0 && one.stable_draws == draws ? one.worst_margin : NAN;
+}
+
+std::string margin_text(double margin) {
+  return std::isfinite(margin) ? fmt::format("{:.2f}", margin) : "-";
+}
+
 std::string row(const char* name, const steps::LoopCase& one, int draws) {
   if (!one.stable) return fmt::format("{:<20} unstable on the identified model\n", name);
   const double worst = one.worst_rms.empty() ? NAN : one.worst_rms.front();
-  return fmt::format("{:<20}{:>12}{:>10.2f}{:>10}{:>14.2f}{:>16}\n", name,
+  return fmt::format("{:<20}{:>12}{:>10.2f}{:>10}{:>14}{:>16}\n", name,
                      length_text(one.rms.front()), one.modulus_margin,
                      draws > 0 ? fmt::format("{}/{}", one.stable_draws, draws) : "-",
-                     one.worst_margin, length_text(worst));
+                     margin_text(worst_margin(one, draws)), length_text(worst));
 }
 
 std::string loop_verdict(const steps::LoopTrial& trial) {
@@ -40,12 +49,12 @@ io::Json list(const std::vector<double>& values) {
   return array;
 }
 
-io::Json case_json(const steps::LoopCase& one) {
+io::Json case_json(const steps::LoopCase& one, int draws) {
   return io::JsonObject{{"stable", one.stable},
                         {"rms_m", list(one.rms)},
-                        {"modulus_margin", one.modulus_margin},
+                        {"modulus_margin", one.stable ? one.modulus_margin : NAN},
                         {"stable_draws", one.stable_draws},
-                        {"worst_modulus_margin", one.worst_margin},
+                        {"worst_modulus_margin", worst_margin(one, draws)},
                         {"median_rms_m", list(one.median_rms)},
                         {"worst_rms_m", list(one.worst_rms)}};
 }
@@ -71,8 +80,8 @@ io::Json loop_json(const steps::LoopTrial& trial) {
                         {"delay_s", trial.delay_s},
                         {"draws", trial.draws},
                         {"open_rms_m", list(trial.open_rms)},
-                        {"on_sensors", case_json(trial.on_sensors)},
-                        {"on_estimate", case_json(trial.on_estimate)},
+                        {"on_sensors", case_json(trial.on_sensors, trial.draws)},
+                        {"on_estimate", case_json(trial.on_estimate, trial.draws)},
                         {"notes", io::Json::texts(trial.notes)}};
 }
 

@@ -124,7 +124,7 @@ std::string layouts_table(const steps::BestPlaces& places, bool all) {
   };
   std::string text = fmt::format("\n{:<29}", "layout");
   for (const auto& layout : places.layouts) {
-    text += fmt::format("  {:>{}}", layout.name.substr(0, 30), width(layout));
+    text += fmt::format("  {:>{}.30}", layout.name, width(layout));
   }
   text += "\n";
   const auto criteria = placement::layout_criteria();

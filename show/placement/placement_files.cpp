@@ -129,15 +129,15 @@ void leave_placement(const study::Study& study, const stage::Solution& solution,
   }
   run.leave("placement.json", placement_json(study, solution, places), main_result);
   leave_fields(solution, places, study.title, run);
-  if (!run.options().pictures) return;
-  tell(run.progress(), "painting the heat map");
+  if (run.options().pictures) tell(run.progress(), "painting the heat map");
   run.paint("heat_map.png",
             [&](const auto& png) { io::draw_heat_map(png, picture_of(study, solution, places)); });
   for (const auto& [file, field] : {std::pair("layouts.png", shape_error()),
                                     std::pair("observer_layouts.png", motion_error())}) {
-    const auto layouts = layouts_picture(study, places, field);
-    if (layouts.panels.empty()) continue;
-    run.paint(file, [&](const auto& png) { io::draw_layouts(png, layouts); });
+    run.paint(file, [&](const auto& png) {
+      const auto layouts = layouts_picture(study, places, field);
+      if (!layouts.panels.empty()) io::draw_layouts(png, layouts);
+    });
   }
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -127,10 +128,10 @@ io::Section identification_section(const steps::IdentifiedModel& model) {
         io::Note::Tone::plain, "The recordings: " + model.measured.quality->verdict + "."});
     section.blocks.emplace_back(io::report_table(*quality));
   }
-  section.blocks.emplace_back(io::Note{
-      io::Note::Tone::plain,
-      fmt::format("The responses are fitted to {} % of their size; {}.",
-                  percent_cell(steps::overall_error(model)), noise_text(model))});
+  section.blocks.emplace_back(
+      io::Note{io::Note::Tone::plain,
+               fmt::format("The responses are fitted to {} % of their size; {}.",
+                           percent_cell(steps::overall_error(model)), noise_text(model))});
   if (const auto unseen = unseen_text(model); !unseen.empty()) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::plain, "Not seen by the fit: " + unseen});
   }
@@ -189,6 +190,8 @@ std::string date_text() {
   if (const char* stated = std::getenv("SOURCE_DATE_EPOCH"); stated != nullptr) {
     const std::string_view text = stated;
     static_cast<void>(std::from_chars(text.data(), text.data() + text.size(), seconds));
+    constexpr std::time_t kEndOf9999 = 253402300799;  // [s] later years have no such text
+    seconds = std::clamp<std::time_t>(seconds, 0, kEndOf9999);
   }
   return fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(seconds));
 }

@@ -115,7 +115,38 @@ study::Origin Run::origin(bool measured) {
 
 void Run::paint(const std::string& file,
                 const std::function<void(const io::PictureFile& png)>& draw) {
-  if (options_.pictures) draw({*this / file, &pictures_, options_.vectors});
+  if (!options_.pictures) return;
+  try {
+    draw({*this / file, &pictures_, options_.vectors});
+  } catch (const InvalidInput& fault) {  // too much to be drawn, or nothing
+    warn_not_painted(file, fault.what());
+  }
+}
+
+void Run::put_aside(const std::string& file) {
+  const auto older = *this / file;
+  std::error_code fault;
+  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(older, fault))) return;
+  const auto is_older = [&](const std::filesystem::path& read) {
+    return std::filesystem::equivalent(older, read, fault);
+  };
+  const auto named = study::named_files(study_, true, options_.allowed);
+  if (is_older(study_.file) || std::ranges::any_of(named, is_older, &study::NamedFile::file))
+    return;
+  const auto before = older.stem().string() + "_before" + older.extension().string();
+  fault.clear();
+  std::filesystem::rename(older, *this / before, fault);
+  warn(fault ? file + " is of an earlier run and cannot be renamed: " + fault.message()
+             : file + " was of an earlier run; it is " + before + " now");
+}
+
+void Run::warn_not_painted(const std::string& file, const std::string& why) {
+  const bool again = last_fault_ == why;
+  talk_.warn(again ? file + " is not painted either"
+                   : fmt::format("{} is not painted: {}; everything else is there; "
+                                 "--no-pictures paints nothing",
+                                 file, why));
+  last_fault_ = why;
 }
 
 void Run::finish_pictures() {
@@ -127,12 +158,7 @@ void Run::finish_pictures() {
     } catch (const WorkerDied& fault) {
       std::error_code ignored;
       std::filesystem::remove(picture.png, ignored);
-      const bool again = last_fault_ == fault.what();
-      talk_.warn(again ? file + " is not painted either"
-                       : fmt::format("{} is not painted: {}; everything else is there; "
-                                     "--no-pictures paints nothing",
-                                     file, fault.what()));
-      last_fault_ = fault.what();
+      warn_not_painted(file, fault.what());
     }
   }
 }

@@ -14,6 +14,7 @@
 #include "io/matrix.h"
 #include "mesh/site.h"
 #include "show/export.h"
+#include "show/readable.h"
 
 namespace chladni::show {
 namespace {
@@ -213,9 +214,11 @@ io::JsonObject export_json(const stage::Solution& solution) {
 
 std::string export_text(const stage::Solution& solution, const Run& run) {
   const auto& system = *solution.system;
-  return fmt::format("{} degrees of freedom, {} rigid-body modes, {} sensors, {} actuators\n{}\n",
-                     system.mass.rows(), system.rigid.cols(), solution.model.sensors.size(),
-                     solution.model.actuators.size(), (run / "system").string());
+  return fmt::format("{} degrees of freedom, {}, {}, {}\n{}\n", system.mass.rows(),
+                     how_many(system.rigid.cols(), "rigid-body mode"),
+                     how_many(std::ssize(solution.model.sensors), "sensor"),
+                     how_many(std::ssize(solution.model.actuators), "actuator"),
+                     (run / "system").string());
 }
 
 }  // namespace chladni::show

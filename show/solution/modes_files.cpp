@@ -25,6 +25,10 @@ void leave_modes(const study::Study& study, const stage::Solution& solution, Run
     io::write_animation(run / "modes.pvd", model.body, modes, mode - 1);
   }
   leave_control_models(study, solution, run);
+  if (modes.mode_count() == modes.rigid_count) {
+    if (run.options().pictures) run.note("modes.png is not painted: no flexible mode was found");
+    return;
+  }
   if (run.options().pictures) tell(run.progress(), "painting the modes");
   run.paint("modes.png", [&](const auto& png) {
     io::draw_modes(png, model.body, modes, study.title, markers, 9, solution.summary.clusters);

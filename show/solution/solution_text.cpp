@@ -51,6 +51,15 @@ io::Json clusters_json(const fem::ModesSummary& summary) {
   return clusters;
 }
 
+// Null throughout where none were counted.
+io::Json certificate_json(const fem::ModesSummary& summary) {
+  const bool counted = summary.counted_below_hz > 0.0;
+  const auto known = [&](auto value) { return counted ? io::Json(value) : io::Json(); };
+  return io::JsonObject{{"below_hz", known(summary.counted_below_hz)},
+                        {"found", known(summary.found)},
+                        {"counted", known(summary.counted)}};
+}
+
 // Without their times: they are among "seconds".
 io::Json ranks_json(const cluster::RanksSummary& ranks) {
   io::JsonArray peaks;
@@ -104,9 +113,7 @@ io::JsonObject modes_json(const study::Study& study, const stage::Solution& solu
       {"orthogonality", summary.orthogonality},
       {"clusters", clusters_json(summary)},
       {"complete", summary.complete},
-      {"certificate", io::JsonObject{{"below_hz", summary.counted_below_hz},
-                                     {"found", summary.found},
-                                     {"counted", summary.counted}}},
+      {"certificate", certificate_json(summary)},
       {"degrees_of_freedom", static_cast<long long>(solution.degrees_of_freedom)},
       {"nodes", static_cast<long long>(model.body.node_count())},
       {"tetrahedra", static_cast<long long>(model.body.tet_count())},

@@ -95,6 +95,9 @@ io::JsonObject specimens_json(const diagnosis::SpecimensDiagnosis& result) {
 
 void leave_specimens(const steps::DiagnosedSpecimens& diagnosed, Run& run) {
   run.leave("diagnosis.json", specimens_json(diagnosed.result), true);
+  for (const char* of_one : {"extended.toml", "cause_map.vtu", "cause_map.png"}) {
+    run.put_aside(of_one);  // of a diagnosis of one body
+  }
 }
 
 }  // namespace chladni::show

@@ -18,10 +18,13 @@ using diagnosis::SpecimensDiagnosis;
 constexpr std::size_t kRivalsTold = 5;
 constexpr double kRivalTold = 0.005;  // probability
 
-// Enough digits to show the deviation to two of its own.
+// Enough decimals to show the deviation to two digits of its own.
+int decimals_for(double std) {
+  return std > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(std))), 0, 9) : 3;
+}
+
 std::string with_deviation(double value, double std, const std::string& between) {
-  const int digits =
-      std > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(std))), 0, 9) : 3;
+  const int digits = decimals_for(std);
   return fmt::format("{:.{}f}{}{:.{}f}", value, digits, between, std, digits);
 }
 
@@ -41,7 +44,7 @@ std::string told_explanation(const diagnosis::SpecimensExplanation& one) {
 std::string population_text(const SpecimensDiagnosis& result) {
   std::string text = "population:\n";
   for (const auto& one : result.population) {
-    const auto [factor, unit] = readable_constant(one.unit);
+    const auto [factor, unit] = readable_constant(one.unit, one.mean);
     text += fmt::format("  {}: mean {}{}{}, specimens scatter {:.2g} %", one.name,
                         with_deviation(factor * one.mean, factor * one.std, " +- "),
                         unit.empty() ? "" : " ", unit, 100.0 * one.spread);
@@ -59,34 +62,52 @@ const CalibratedNumber* number_of(const diagnosis::SpecimenTold& specimen, const
   return found == specimen.constants.end() ? nullptr : &*found;
 }
 
+// A constant with the unit that its largest value asks for.
+struct ToldKey {
+  std::string name;
+  Readable readable;
+};
+
+std::vector<ToldKey> keys_of(const SpecimensDiagnosis& result) {
+  std::vector<const CalibratedNumber*> largest;  // of each key, in the order of their first mention
+  for (const auto& specimen : result.specimens) {
+    for (const auto& one : specimen.constants) {
+      const auto known = std::ranges::find(largest, one.name, &CalibratedNumber::name);
+      if (known == largest.end()) {
+        largest.push_back(&one);
+      } else if (std::abs(one.value) > std::abs((*known)->value)) {
+        *known = &one;
+      }
+    }
+  }
+  std::vector<ToldKey> keys;
+  for (const auto* one : largest) {
+    keys.push_back({one->name, readable_constant(one->unit, one->value)});
+  }
+  return keys;
+}
+
 std::string cell(const SpecimensDiagnosis& result, const diagnosis::SpecimenTold& specimen,
-                 const CalibratedNumber& number) {
+                 const CalibratedNumber& number, double factor) {
   const bool is_odd = std::ranges::any_of(result.best.entries, [&](const OddEntry& one) {
     return one.specimen == specimen.name && one.key == number.name;
   });
-  const double factor = readable_constant(number.unit).scale;
   return with_deviation(factor * number.value, factor * number.std, "+-") + (is_odd ? "!" : "");
 }
 
 std::string table_of_specimens(const SpecimensDiagnosis& result) {
-  std::vector<std::pair<std::string, std::string>> keys;  // with their units
-  for (const auto& specimen : result.specimens) {
-    for (const auto& one : specimen.constants) {
-      const std::pair key(one.name, readable_constant(one.unit).unit);
-      if (std::ranges::find(keys, key) == keys.end()) keys.push_back(key);
-    }
-  }
   std::string text = fmt::format("\n{:<38}", "specimen");
   for (const auto& one : result.specimens) text += fmt::format(" {:>15}", one.name);
   if (std::ranges::any_of(result.specimens, [](const auto& one) { return !one.group.empty(); })) {
     text += fmt::format("\n{:<38}", "group");
     for (const auto& one : result.specimens) text += fmt::format(" {:>15}", one.group);
   }
-  for (const auto& [key, unit] : keys) {
+  for (const auto& [key, readable] : keys_of(result)) {
+    const auto& [factor, unit] = readable;
     text += fmt::format("\n{:<38}", unit.empty() ? key : fmt::format("{} [{}]", key, unit));
     for (const auto& one : result.specimens) {
       const auto* number = number_of(one, key);
-      text += fmt::format(" {:>15}", number == nullptr ? "-" : cell(result, one, *number));
+      text += fmt::format(" {:>15}", number == nullptr ? "-" : cell(result, one, *number, factor));
     }
   }
   text += fmt::format("\n{:<38}", "modes compared");
@@ -109,10 +130,11 @@ std::string rivals_text(const SpecimensDiagnosis& result) {
 }  // namespace
 
 std::string entry_text(const OddEntry& one) {
-  const auto [factor, unit] = readable_constant(one.unit);
-  return fmt::format("{}: {}{}{}, written {:.4g} ({:+.1f} %)", name_of(one),
+  const auto [factor, unit] = readable_constant(one.unit, one.of_study);
+  return fmt::format("{}: {}{}{}, written {:.{}f} ({:+.1f} %)", name_of(one),
                      with_deviation(factor * one.value, factor * one.std, " +- "),
-                     unit.empty() ? "" : " ", unit, factor * one.of_study, 100.0 * one.change());
+                     unit.empty() ? "" : " ", unit, factor * one.of_study,
+                     decimals_for(factor * one.std), 100.0 * one.change());
 }
 
 std::string verdict_text(const SpecimensDiagnosis& result) {
@@ -123,7 +145,7 @@ std::string verdict_text(const SpecimensDiagnosis& result) {
     case diagnosis::Verdict::named:
       return "Named: " + best;
     case diagnosis::Verdict::ambiguous:
-      return "Two or more explanations are equally good; the likeliest: " + best;
+      return "Other explanations are not ruled out; the likeliest: " + best;
     case diagnosis::Verdict::partial:
       return "One entry is sure, another is not: " + best;
     case diagnosis::Verdict::unexplained:

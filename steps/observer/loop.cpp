@@ -274,7 +274,7 @@ LoopCase nominal_case(const LoopModels& models, const modal::Feedback& feedback,
   return result;
 }
 
-// The rms of each drawn model, sorted at each point.
+// The rms of each drawn model, sorted at each point; infinite where the loop is unstable.
 class Draws {
  public:
   explicit Draws(Eigen::Index points) : rms_(static_cast<std::size_t>(points)) {}
@@ -284,6 +284,7 @@ class Draws {
     const auto loop = modal::closed_loop(plant, feedback);
     if (!(loop.spectral_radius < 1.0)) {
       worst_margin_ = 0.0;
+      for (auto& all : rms_) all.push_back(std::numeric_limits<double>::infinity());
       return;
     }
     ++stable_;

@@ -200,7 +200,9 @@ const Schema<IdentificationPlan>& identification_schema() {
        truth("residual", &P::residual, "whether the residual of the modes above is fitted"),
        truth("cross_validation", &P::cross_validation,
              "whether parts of periodic recordings are left out in turn and predicted"),
-       text("unit", &P::unit, "of the sensors, where the file states none", "as the file has it"),
+       text("unit", &P::unit,
+            "of the sensors, where the file states none; SI: each in that of its quantity",
+            "as the file has it"),
        special<P>({"pair", "tables with sensor, actuator", "those within pairs_within",
                    "collocated sensor and actuator"},
                   "pairs", pairs_json),
@@ -301,6 +303,18 @@ std::vector<TableText> tables_of_a_study() {
   return tables;
 }
 
+namespace {
+
+// A bar ends a cell, if it is not told apart.
+std::string as_cell(std::string words) {
+  for (auto bar = words.find('|'); bar != words.npos; bar = words.find('|', bar + 2)) {
+    words.insert(bar, 1, '\\');
+  }
+  return words;
+}
+
+}  // namespace
+
 std::string page_of_keys() {
   std::string page =
       "# Keys of a study\n\n"
@@ -313,8 +327,8 @@ std::string page_of_keys() {
     page += fmt::format("\n## {}\n\n| key | what | may be | default |\n|---|---|---|---|\n",
                         table.heading);
     for (const auto& key : table.keys) {
-      page += fmt::format("| `{}` | {} | {} | {} |\n", key.name, key.meaning, key.expected,
-                          key.otherwise);
+      page += fmt::format("| `{}` | {} | {} | {} |\n", key.name, as_cell(key.meaning),
+                          as_cell(key.expected), as_cell(key.otherwise));
     }
   }
   return page;

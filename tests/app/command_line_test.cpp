@@ -390,7 +390,7 @@ TEST_F(ModelStudies, WithoutTheirDataAreRefusedOrGoOnAloud) {
   const auto all = run({"study", study, "-o", "out", "--no-pictures"});
   EXPECT_EQ(all.status, 0) << all.err;
   EXPECT_TRUE(says(all.err,
-                   "far.csv: there is no such file; what needs it is left out; it does not "
+                   "far.csv: there is no such file; nothing that was measured is used; it does not "
                    "come with the study: drawer 3"));
 }
 

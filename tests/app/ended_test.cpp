@@ -9,6 +9,7 @@
 #include <map>
 #include <thread>
 
+#include "io/json.h"
 #include "tests/app/program.h"
 
 namespace chladni::app {
@@ -281,6 +282,29 @@ TEST_F(CommandLine, ATemporaryFolderThatIsNotThereIsNoFault) {
       ended(started({"modes", study, "-o", "out"}, "", [] { setenv("TMPDIR", "/nowhere", 1); }));
   EXPECT_EQ(modes.status, 0) << modes.err;
   EXPECT_TRUE(fs::exists(folder_ / "out/modes.png")) << modes.err;
+}
+
+// Nothing was counted, which is not "none was found": a reader would take 0 of 0 for certified.
+TEST_F(CommandLine, WithoutACountTheCertificateIsNotKnown) {
+  const auto study = write("study.toml", kPlate);
+  ASSERT_EQ(run({"modes", study.string(), "-o", "out", "--no-pictures", "--no-certificate"}).status,
+            0);
+  const auto certificate = io::parse_json(whole(folder_ / "out/modes.json")).at("certificate");
+  for (const auto* key : {"below_hz", "found", "counted"}) {
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(certificate.at(key).value())) << key;
+  }
+}
+
+// There is nothing to paint below the first flexible mode, and nothing is wrong.
+TEST_F(CommandLine, WithoutAFlexibleModeThereIsNoPicture) {
+  std::string text = kPlate;
+  text.replace(text.find("modes = { count = 4 }"), 21, "modes = { up_to = \"1 Hz\" }");
+  const auto study = write("study.toml", text);
+  const auto modes = run({"modes", study.string(), "-o", "out"});
+  EXPECT_EQ(modes.status, 0) << modes.err;
+  EXPECT_TRUE(says(modes.err, "modes.png is not painted: no flexible mode was found"));
+  EXPECT_FALSE(fs::exists(folder_ / "out/modes.png"));
+  EXPECT_TRUE(fs::exists(folder_ / "out/modes.vtu"));
 }
 
 TEST_F(CommandLine, WithoutADisplayEverythingElseIsThere) {

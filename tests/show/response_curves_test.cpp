@@ -7,6 +7,8 @@
 #include <complex>
 
 #include "base/error.h"
+#include "show/identification.h"
+#include "show/identification/response_series.h"
 
 namespace chladni::show {
 namespace {
@@ -98,6 +100,55 @@ TEST(ResponseCurves, WhatWasNotMeasuredIsLeftOut) {
   EXPECT_EQ(curves.choices[0].name, "one, off by 10 %");
   EXPECT_THROW(static_cast<void>(response_curves(lines(40), {{"simulated", 2}}, {unmeasured}, "")),
                InvalidInput);
+}
+
+TEST(ResponseCurves, AUnitThatNotAllHaveStandsBehindEachName) {
+  std::vector<OneResponse> two{resonance("s by a", 40, 1.1), resonance("s by coil", 40, 1.1)};
+  EXPECT_EQ(common_label({"receptance [m/N]", "receptance [m/N]"}, two), "receptance [m/N]");
+  EXPECT_EQ(two[1].name, "s by coil");
+  EXPECT_EQ(common_label({"receptance [m/N]", "receptance [m/V]"}, two), "receptance");
+  EXPECT_EQ(two[0].name, "s by a [m/N]");
+  EXPECT_EQ(two[1].name, "s by coil [m/V]");
+}
+
+TEST(ResponseCurves, AResponseHasTheUnitsOfBothItsChannels) {
+  modal::MeasuredChannel sensor, coil;
+  sensor.unit = "m/s^2";
+  coil.unit = "V";
+  EXPECT_EQ(response_label(sensor, coil), "|response| [m/s^2/V]");
+  EXPECT_EQ(response_label(sensor, {}), "|response| [m/s^2/N]");
+  EXPECT_EQ(response_label({}, coil), "|response|");
+}
+
+// A cell without a number is no response of 0: the whole fit stood there as its error.
+TEST(FitPlot, WhatWasNotMeasuredIsAGap) {
+  steps::IdentifiedModel model;
+  modal::MeasuredChannel channel;
+  channel.name = "s";
+  model.seen.outputs = model.seen.inputs = {channel};
+  auto& fitted = model.found.fit.model;
+  fitted.frequency_hz = Eigen::VectorXd::Constant(1, 300.0);
+  fitted.damping_ratio = Eigen::VectorXd::Constant(1, 0.01);
+  fitted.output_shapes = fitted.input_shapes = Eigen::MatrixXd::Ones(1, 1);
+  fitted.residual = Eigen::MatrixXd::Zero(1, 1);
+  auto& data = model.data;
+  data.outputs = data.inputs = 1;
+  data.frequency_hz = lines(40);
+  data.value = 1.01 * identification::responses(model.found.fit, data.frequency_hz);
+  data.weight = Eigen::MatrixXd::Ones(40, 1);
+  data.value.middleRows(10, 5).setZero();
+  data.weight.middleRows(10, 5).setZero();
+  const auto plot = fit_plot(model);
+  ASSERT_EQ(plot.panels.size(), 1U);
+  const auto& panel = plot.panels[0];
+  for (const std::size_t s : {0U, 1U}) {  // measured, and measured less fitted
+    for (Eigen::Index k = 0; k < 40; ++k) {
+      EXPECT_EQ(std::isfinite(panel.series[s].y(k)), k < 10 || k >= 15) << s << " " << k;
+    }
+  }
+  EXPECT_TRUE(panel.series[2].y.allFinite()) << "the fit goes on";
+  EXPECT_GT(panel.y.low, 0.0);
+  EXPECT_LT(panel.y.low, panel.y.high);
 }
 
 io::PlotSeries series(const std::string& name, Eigen::Index count) {

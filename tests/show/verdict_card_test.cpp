@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "show/diagnosis.h"
+
 namespace chladni::show {
 namespace {
 
@@ -79,8 +81,28 @@ TEST(VerdictCard, PromisesNothingAfterWhereNoCauseWasNamed) {
   const auto card = verdict_card(one);
   EXPECT_EQ(card.tone, io::Note::Tone::warning);
   ASSERT_EQ(card.figures.size(), 2U);
-  EXPECT_TRUE(says(card.next, "measure a sensor at (1, 2) mm."));
+  EXPECT_TRUE(says(card.next, "measure next: a sensor at (1, 2) mm."));
   EXPECT_TRUE(cause_markers(one).empty());
+}
+
+// The card says what the terminal says: the two were of different words once.
+TEST(VerdictCard, WithoutACauseIsHeadedByTheVerdict) {
+  auto one = named();
+  one.result.verdict = diagnosis::Verdict::no_discrepancy;
+  one.result.best.causes.clear();
+  one.gain.from = steps::GainFrom::nothing;
+  EXPECT_EQ(verdict_card(one).heading, verdict_text(one.result));
+  one.result.constants.emplace_back();
+  one.modes.emplace();
+  one.result.modes = {{.measured_hz = 100.0, .before_hz = 112.0, .after_hz = 101.0}};
+  const auto card = verdict_card(one);
+  EXPECT_EQ(card.heading, verdict_text(one.result));
+  EXPECT_TRUE(says({card.heading}, "which are calibrated"));
+  ASSERT_EQ(card.figures.size(), 2U);
+  EXPECT_EQ(card.figures[1].value, "1 %");
+  EXPECT_EQ(card.figures[1].label, "frequencies off, calibrated");
+  EXPECT_TRUE(says(card.next, "calibrated constants"));
+  EXPECT_FALSE(says(card.next, "nothing has to be changed"));
 }
 
 TEST(VerdictCard, OfModesTellsHowFarFrequenciesAreOff) {

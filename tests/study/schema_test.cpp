@@ -22,6 +22,19 @@ TEST(Schema, IsThePageOfKeys) {
       << "chladni list keys > docs/reference/keys.md";
 }
 
+// A bar in a cell would begin another one.
+TEST(Schema, RowsOfThePageHaveFourCells) {
+  std::istringstream page(page_of_keys());
+  for (std::string line; std::getline(page, line);) {
+    if (!line.starts_with("| ")) continue;
+    int bars = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      bars += line[i] == '|' && (i == 0 || line[i - 1] != '\\');
+    }
+    EXPECT_EQ(bars, 5) << line;
+  }
+}
+
 TEST(Schema, NamesEachKeyOnceWithItsMeaning) {
   for (const auto& table : tables_of_a_study()) {
     std::set<std::string> names;

@@ -1,6 +1,7 @@
 // Measurements that are not as a study says: what identify leaves out, suspects and refuses.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -18,6 +19,20 @@ std::string exact_beam() {
 
 void spoil_one_value(modal::FrfSet& set) {
   set.value[700](2, 0) += 80.0 * std::sqrt(set.variance[700](2, 0));
+}
+
+// What is said of gains and channels is in the file, too: the terminal folds it.
+TEST_F(Identify, WarningsOfChannelsAreInItsJson) {
+  auto set = measured(recordings::beam_with_coils(), 5, {1, 2, 3, 4, 5});
+  for (auto& value : set.value) value.row(1) *= -1.0;
+  write("thesis_5x5.csv", set);
+  const auto said = run(identify_command, exact_beam());
+  EXPECT_NE(said.find("turned around"), std::string::npos) << said;
+  const auto identified = left("identified.json");
+  const auto& warnings = identified.at("warnings").array();
+  EXPECT_TRUE(std::ranges::any_of(warnings, [](const io::Json& one) {
+    return one.string().find("turned around") != std::string::npos;
+  }));
 }
 
 // One value that is off makes a mode of its own: said, written, and not passed for a success.

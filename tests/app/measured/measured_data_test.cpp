@@ -38,6 +38,18 @@ TEST_F(CommandLine, CheckSaysWhatAFileOfResponsesHolds) {
   EXPECT_TRUE(left("out").empty());
 }
 
+// A response without a coherence is not one of coherence 0.
+TEST_F(CommandLine, CheckShowsNoCoherenceWhereNoneIsStated) {
+  std::string text = "freq_hz,re_s1/a,im_s1/a,coh_s1/a,re_s2/a,im_s2/a\n";
+  for (int k = 1; k <= 20; ++k) text += std::to_string(k) + ",1,2,0.9,3,4\n";
+  write("frf.csv", text);
+  const auto check = run({"check", "frf.csv", "--unit", "m"});
+  EXPECT_EQ(check.status, 0) << check.err;
+  EXPECT_TRUE(says(check.out, "0.9000\n"));
+  EXPECT_EQ(check.out.find("0.0000"), std::string::npos) << check.out;
+  EXPECT_TRUE(says(check.out, " -\n"));
+}
+
 TEST_F(CommandLine, CheckSaysWhatARecordingHolds) {
   write("hit.csv", "force,acceleration\n1,2\n3,4\n5,6\n");
   const auto check = run({"check", "hit.csv", "--sample-time", "0.5"});

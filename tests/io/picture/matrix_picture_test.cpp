@@ -64,6 +64,23 @@ TEST_F(DrawMatrix, SquaresAreAsDarkAsTheirValues) {
   EXPECT_LT(dark_pixels(picture), 50);
 }
 
+// A window that is larger than what the display can paint stays black.
+TEST_F(DrawMatrix, AsManyRowsAsItTakesArePainted) {
+  for (const Eigen::Index rows : {130, 200}) {
+    auto picture = picture_of(rows, 1);
+    EXPECT_LT(dark_pixels(picture), 50) << rows;
+    picture.value(rows - 1, 0) = 1.0;
+    EXPECT_GT(dark_pixels(picture), 500) << rows;
+    vtkNew<vtkPNGReader> reader;
+    reader->SetFileName(png_.c_str());
+    reader->Update();
+    vtkImageData* image = reader->GetOutput();
+    EXPECT_LE(image->GetDimensions()[1], 6500) << rows;
+    const auto* pixel = static_cast<const unsigned char*>(image->GetScalarPointer());
+    EXPECT_EQ(static_cast<int>(pixel[0]), 255) << rows;
+  }
+}
+
 TEST_F(DrawMatrix, TheSameInputGivesTheSameBytes) {
   EVERY_FOURTH_LANDING();
   auto picture = picture_of(40, 40);

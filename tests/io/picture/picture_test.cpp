@@ -10,12 +10,17 @@
 #include <cstdlib>
 #include <functional>
 #include <numbers>
+#include <utility>
 
 #include "base/error.h"
 #include "host/atomic_file.h"
 #include "host/worker.h"
 #include "io/bytes/message.h"
 #include "io/figure/colours.h"
+#include "io/figure/drawing.h"
+#include "io/figure/painted.h"
+#include "io/heat_map_picture.h"
+#include "io/picture/letters.h"
 #include "mesh/bodies.h"
 #include "rotation/turn.h"
 
@@ -169,6 +174,82 @@ TEST_F(Picture, ThePainterRefusesWhatIsNoRequest) {
   for (const std::string& request : {std::string(), std::string("garbage"), bytes(unknown)}) {
     EXPECT_THROW(static_cast<void>(run_worker(painter, {}, request)), WorkerDied);
   }
+}
+
+TEST_F(Picture, ThePainterRefusesASizeThatItCannotPaint) {
+  for (const auto& [width, height] : {std::pair(1000, 8193), std::pair(8193, 100)}) {
+    const Drawing drawing(width, height);
+    try {
+      static_cast<void>(painted(drawing.request()));
+      ADD_FAILURE() << width << " x " << height;
+    } catch (const WorkerDied& died) {
+      EXPECT_NE(std::string(died.what()).find("expected 1 to 8192"), std::string::npos)
+          << died.what();
+    }
+  }
+  EXPECT_TRUE(painted(Drawing(100.0, 8192.0).request()).starts_with("\x89PNG"));
+}
+
+// A sensor that no fit saw was a green triangle, which is an actuator.
+TEST_F(Picture, ASensorThatIsHeldOutIsNoActuator) {
+  LayoutsPicture picture;
+  picture.points = Points{{0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}, {0.4, 0.3, 0.0}, {0.0, 0.3, 0.0}};
+  picture.triangles = Cells{{0, 1, 2}, {0, 2, 3}};
+  const auto green = [&](const char* kind) {
+    picture.panels = {
+        {"mode 7", "", Eigen::VectorXd::Ones(4), {{"s1", kind, {0.1, 0.1, 0.0}, {}}}}};
+    draw_layouts(png(), picture);
+    vtkNew<vtkPNGReader> reader;
+    reader->SetFileName(png().c_str());
+    reader->Update();
+    vtkImageData* image = reader->GetOutput();
+    const auto* pixel = static_cast<const unsigned char*>(image->GetScalarPointer());
+    int count = 0;
+    for (int i = 0; i < image->GetDimensions()[0] * image->GetDimensions()[1]; ++i, pixel += 3) {
+      count += pixel[1] < 130 && pixel[1] > pixel[0] + 40 && pixel[1] > pixel[2] + 20;
+    }
+    return count;
+  };
+  EXPECT_GT(green("actuator"), 100) << "on the body, and in the legend";
+  EXPECT_EQ(green("held_out_sensor"), 0);
+}
+
+TEST(Letters, AreCutAsAWhole) {
+  const std::string words = "Pr\u00fcfstand \u5e73\u53f0";
+  std::vector<std::string> cut;
+  for (std::size_t most = 0; most < 20; ++most) {
+    cut.push_back(picture::shortened(words, [&](const std::string& part) {
+      return picture::letters_of(part).size() <= std::max<std::size_t>(most, 3);
+    }));
+    for (const auto letter : picture::letters_of(cut.back())) {
+      EXPECT_GT(picture::letter_size(letter), 0U) << cut.back();
+    }
+  }
+  EXPECT_EQ(cut[0], "...");
+  EXPECT_EQ(cut[6], "Pr\u00fc...");
+  EXPECT_EQ(cut[10], "Pr\u00fcfsta...");
+  EXPECT_EQ(cut[12], words);
+}
+
+TEST(Letters, ThatTheFontLacksAreAsked) {
+  const auto latin = [](std::string_view letter) { return letter.size() == 2; };
+  EXPECT_EQ(picture::paintable("a \u00e9 \u677f z", latin), "a \u00e9 ? z");
+  EXPECT_EQ(picture::paintable("Gr\xF6\xDF"
+                               "e \xE5\xB9",
+                               latin),
+            "Gr??e ??")
+      << "no UTF-8";
+  EXPECT_EQ(picture::paintable("", latin), "");
+}
+
+TEST_F(Picture, LettersThatTheFontLacksAreSeen) {
+  const auto modes = modes_of(mesh_, {twist});
+  draw_modes(png(), mesh_, modes, "????");
+  const auto asked = read_whole(png());
+  draw_modes(png(), mesh_, modes, "\u677f\u5e73\u53f0\u677f");
+  EXPECT_EQ(read_whole(png()), asked);
+  draw_modes(png(), mesh_, modes, "\u00e9\u00fc\u00b5\u00df");
+  EXPECT_NE(read_whole(png()), asked);
 }
 
 TEST(Colours, ZeroIsWhiteAndBothSidesDarkenEvenly) {

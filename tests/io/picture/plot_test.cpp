@@ -246,6 +246,26 @@ TEST_F(PlotPicture, VectorsLieWhereTheValuesAre) {
   }
 }
 
+// Of two units side by side each has its own label; one that both have stands at the left alone.
+TEST_F(PlotPicture, APanelIsLabelledWhereItsAxisIsNotItsNeighbours) {
+  auto plot = plot_of(PlotSeries::Style::line, 1);
+  plot.columns = 2;
+  plot.panels.push_back(plot.panels[0]);
+  plot.panels[0].y.label = "by force";
+  const auto times = [&](const std::string& second) {
+    plot.panels[1].y.label = second;
+    const auto svg = svg_of(plot, png_);
+    int count = 0;
+    for (auto at = svg.find(">" + second + "<"); at != svg.npos;
+         at = svg.find(">" + second + "<", at + 1)) {
+      ++count;
+    }
+    return count;
+  };
+  EXPECT_EQ(times("by force"), 1);
+  EXPECT_EQ(times("by voltage"), 1);
+}
+
 TEST_F(PlotPicture, WordsOfVectorsAreNoMarkup) {
   auto plot = plot_of(PlotSeries::Style::line, 1);
   plot.title = "a < b & \"c\"\n> d";
