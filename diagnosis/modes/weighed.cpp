@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "base/index.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/verdict/counterparts.h"
 
 namespace chladni::diagnosis {
 
@@ -14,9 +14,6 @@ bool contains(const Structure& structure, const ModesFit& fit, const Supposed& c
                              [&](const Supposed& other) { return alike(structure, cause, other); });
 }
 
-namespace {
-
-// ln of the prior probability of this number of causes, of so many effects.
 double log_of_number(std::size_t causes, double effects) {
   const double n = std::max(effects, 1.0);
   switch (causes) {
@@ -30,6 +27,8 @@ double log_of_number(std::size_t causes, double effects) {
       return std::log(kConstants.three_prior * 6.0 / (n * n * n));
   }
 }
+
+namespace {
 
 bool same(const Structure& structure, const ModesFit& a, const ModesFit& b) {
   if (a.causes.size() != b.causes.size() || a.disturbed.what != b.disturbed.what ||
@@ -51,21 +50,17 @@ bool is_case_of(const Structure& structure, const Supposed& a, const Supposed& b
 // is simpler. No fit is simpler than itself.
 bool is_simpler(const Structure& structure, const ModesFit& fit, const ModesFit& general) {
   if (fit.causes.size() != general.causes.size()) return false;
-  std::vector<const Supposed*> left;
-  for (const auto& cause : fit.causes) left.push_back(&cause);
-  bool differs = false;
-  for (const auto& cause : general.causes) {
-    auto found = std::ranges::find_if(
-        left, [&](const Supposed* one) { return alike(structure, *one, cause); });
-    if (found == left.end()) {
-      found = std::ranges::find_if(
-          left, [&](const Supposed* one) { return is_case_of(structure, *one, cause); });
-      differs = true;
-    }
-    if (found == left.end()) return false;
-    left.erase(found);
-  }
-  return differs;
+  const auto is_same = [&](const Supposed& cause, const Supposed& one) {
+    return alike(structure, one, cause);
+  };
+  const auto found = counterparts(general.causes, fit.causes, is_same,
+                                  [&](const Supposed& cause, const Supposed& one) {
+                                    return is_case_of(structure, one, cause);
+                                  });
+  return found && !std::ranges::equal(general.causes, *found,
+                                      [&](const Supposed& cause, const Supposed* one) {
+                                        return is_same(cause, *one);
+                                      });
 }
 
 // The likeliest fit that is a simpler case of `general` and has nearly its evidence; null if there

@@ -13,6 +13,10 @@ struct Weighed {
   std::vector<double> probability;
 };
 
+/// ln of the prior probability of one hypothesis with this number of causes, of so many that may be
+/// (at least 1).
+[[nodiscard]] double log_of_number(std::size_t causes, double effects);
+
 /// True if the hypothesis has a cause like this one.
 [[nodiscard]] bool contains(const Structure& structure, const ModesFit& fit, const Supposed& cause);
 

@@ -12,6 +12,7 @@
 #include "diagnosis/fit/information.h"
 #include "diagnosis/search/simpler.h"
 #include "diagnosis/verdict/cause_of.h"
+#include "diagnosis/verdict/counterparts.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -46,36 +47,17 @@ bool same_name(const Cause& a, const Cause& b) {
   return a.effect == b.effect && a.channels == b.channels && a.option == b.option;
 }
 
-// The cause in `other` that corresponds to each cause of `simple`: the same cause, or one of which
-// it is a simpler case. None if a cause has no counterpart.
-std::optional<std::vector<const Cause*>> counterparts(const Explanation& simple,
-                                                      const Explanation& other) {
-  const auto is_simpler = [](const Cause& cause, const Cause& more) {
-    return std::ranges::any_of(effect(more.effect).simpler, [&](const Simpler& simpler) {
-      return simpler.effect->name == cause.effect;
-    });
-  };
-  std::vector<const Cause*> left;
-  for (const auto& cause : other.causes) left.push_back(&cause);
-  std::vector<const Cause*> partners;
-  for (const auto& cause : simple.causes) {
-    auto found =
-        std::ranges::find_if(left, [&](auto* candidate) { return same_name(cause, *candidate); });
-    if (found == left.end()) {
-      found = std::ranges::find_if(left,
-                                   [&](auto* candidate) { return is_simpler(cause, *candidate); });
-    }
-    if (found == left.end()) return std::nullopt;
-    partners.push_back(*found);
-    left.erase(found);
-  }
-  return partners;
+// True if `cause` is a simpler case of `more`.
+bool is_simpler(const Cause& cause, const Cause& more) {
+  return std::ranges::any_of(effect(more.effect).simpler, [&](const Simpler& simpler) {
+    return simpler.effect->name == cause.effect;
+  });
 }
 
 // True if `simple` has the same or simpler causes, or if `other` has all its causes and more.
 bool nested(const Explanation& simple, const Explanation& other) {
   if (simple.causes.size() > other.causes.size()) return false;
-  const auto found = counterparts(simple, other);
+  const auto found = counterparts(simple.causes, other.causes, same_name, is_simpler);
   if (!found || simple.causes.size() == other.causes.size()) return found.has_value();
   return std::ranges::equal(simple.causes, *found,
                             [](const Cause& a, const Cause* b) { return same_name(a, *b); });
@@ -111,7 +93,7 @@ double share_left_to(const Effect& simpler, const Effect& general) {
 // ln of evidence that simpler effects may leave, when they replace some of equally many causes;
 // none if no effect is simpler.
 std::optional<double> cost_of_simplicity(const Explanation& simple, const Explanation& other) {
-  const auto found = counterparts(simple, other);
+  const auto found = counterparts(simple.causes, other.causes, same_name, is_simpler);
   if (!found || simple.causes.size() != other.causes.size()) return std::nullopt;
   std::optional<double> cost;
   for (std::size_t c = 0; c < simple.causes.size(); ++c) {

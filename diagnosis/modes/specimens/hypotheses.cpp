@@ -8,6 +8,7 @@
 #include "base/index.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/modes/specimens/specimen_constants.h"
+#include "diagnosis/modes/weighed.h"
 #include "host/parallel.h"
 
 namespace chladni::diagnosis {
@@ -17,16 +18,7 @@ using Eigen::Index;
 
 double ln_prior(const Supposition& supposed, double entries, double bodies) {
   if (supposed.unlike >= 0) return std::log(0.5 * kSpecimens.unlike_prior / bodies);
-  switch (supposed.entries.size()) {
-    case 0:
-      return std::log(kConstants.nothing_prior);
-    case 1:
-      return std::log(kConstants.one_prior / entries);
-    case 2:
-      return std::log(kConstants.two_prior * 2.0 / (entries * entries));
-    default:
-      return std::log(kConstants.three_prior * 6.0 / (entries * entries * entries));
-  }
+  return log_of_number(supposed.entries.size(), entries);
 }
 
 std::vector<Index> entries_that_may_be_wrong(const Series& series) {
