@@ -94,8 +94,7 @@ struct Sides {
   Eigen::VectorXd sigma;
 };
 
-Sides sides(const Eigen::MatrixXd& residue, const Target& target, Eigen::Index count) {
-  const auto measured = measured_responses(target.squared, target.outputs);
+Sides sides(const Eigen::MatrixXd& residue, const MeasuredResponses& measured, Eigen::Index count) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(
       finite(completed(residue, measured, count), "residue"),
       Eigen::ComputeThinU | Eigen::ComputeThinV);
@@ -120,15 +119,16 @@ bool all_stand_out(const Sides& group, Complex pole, const Target& target) {
 // Makes one block of a group of poles; its directions are the singular vectors of the sum of their
 // residues. If these directions are fewer than the poles, each pole becomes a mode of its own.
 std::vector<Block> blocks_of(const std::vector<Complex>& poles,
-                             const std::vector<Eigen::MatrixXd>& residues, const Target& target) {
+                             const std::vector<Eigen::MatrixXd>& residues, const Target& target,
+                             const MeasuredResponses& measured) {
   const auto size = static_cast<Eigen::Index>(poles.size());
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(target.outputs, target.inputs);
   for (const auto& residue : residues) sum += residue;
-  const auto group = sides(sum, target, size);
+  const auto group = sides(sum, measured, size);
   if (size > 1 && (group.sigma.size() < size || !all_stand_out(group, poles.front(), target))) {
     std::vector<Block> single;
     for (std::size_t r = 0; r < poles.size(); ++r) {
-      const auto own = sides(residues[r], target, 1);
+      const auto own = sides(residues[r], measured, 1);
       single.push_back(single_mode(poles[r], own.left.col(0), own.right.row(0)));
     }
     return single;
@@ -146,8 +146,9 @@ std::vector<Block> blocks_of(const std::vector<Complex>& poles,
            .damping = damping.asDiagonal()}};
 }
 
-Block rigid_block(const Eigen::MatrixXd& residue, const Target& target, Eigen::Index count) {
-  const auto all = sides(residue, target, count);
+Block rigid_block(const Eigen::MatrixXd& residue, const MeasuredResponses& measured,
+                  Eigen::Index count) {
+  const auto all = sides(residue, measured, count);
   return {.left = all.left,
           .right = all.right,
           .stiffness = Eigen::MatrixXd::Zero(count, count),
@@ -191,8 +192,8 @@ StartResidues start_residues(const FitData& data, const Start& start, Damping da
 }
 
 // Makes a complex mode of the largest singular direction of X.
-Block strongest_mode(Complex pole, const Eigen::MatrixXcd& residue, const Target& target) {
-  const auto measured = measured_responses(target.squared, target.outputs);
+Block strongest_mode(Complex pole, const Eigen::MatrixXcd& residue,
+                     const MeasuredResponses& measured) {
   const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(finite(completed(residue, measured, 1), "residue"),
                                                Eigen::ComputeThinU | Eigen::ComputeThinV);
   return general_mode(pole, svd.singularValues()(0) * svd.matrixU().col(0),
@@ -205,14 +206,15 @@ BlockModel start_model(const FitData& data, const Start& start, const Target& ta
   model.residual =
       start.constant.size() > 0 ? start.constant : Eigen::MatrixXd::Zero(data.outputs, data.inputs);
   const auto residues = start_residues(data, start, damping, scale);
+  const auto measured = measured_responses(target.squared, target.outputs);
   if (start.rigid_count > 0) {
-    model.blocks.push_back(rigid_block(residues.rigid, target, start.rigid_count));
+    model.blocks.push_back(rigid_block(residues.rigid, measured, start.rigid_count));
   }
   for (const auto& group : neighbours(start.pole)) {
     if (damping == Damping::general && (group.size() == 1 || !start.general.empty())) {
       for (const auto i : group) {
         model.blocks.push_back(strongest_mode(
-            start.pole(i) / scale, residues.general[static_cast<std::size_t>(i)], target));
+            start.pole(i) / scale, residues.general[static_cast<std::size_t>(i)], measured));
       }
       continue;
     }
@@ -222,7 +224,8 @@ BlockModel start_model(const FitData& data, const Start& start, const Target& ta
       poles.push_back(start.pole(i) / scale);
       parts.emplace_back(residues.real[static_cast<std::size_t>(i)]);
     }
-    for (auto& block : blocks_of(poles, parts, target)) model.blocks.push_back(std::move(block));
+    for (auto& block : blocks_of(poles, parts, target, measured))
+      model.blocks.push_back(std::move(block));
   }
   return model;
 }

@@ -76,8 +76,7 @@ LayoutScore LayoutScorer::of_channels(const std::vector<std::size_t>& sensors,
 }
 
 LayoutScore LayoutScorer::of_sensors(const Eigen::MatrixXd& shapes) const {
-  auto view =
-      view_of(those_there(structure_.sensors, false), those_there(structure_.actuators, false));
+  auto view = view_of_those_that_stay();
   view.sensors_all = stacked(view.sensors_all, shapes);
   const Eigen::MatrixXd watched = view.sensors_all;
   return scored(std::move(view), watched, rows_there(structure_, structure_.actuators, true));

@@ -85,8 +85,9 @@ bool has_default_cells(const study::Study& study) {
 mesh::TetMesh layered_body(const study::Study& study) {
   const auto& plan = study.mesh;
   auto mesh = laid(study.geometry, plan, plan.order == 0 ? kPreferredOrder : plan.order);
+  if (plan.order != 0 || study.geometry.kind == "sphere") return mesh;  // laid alike for all orders
   const int order = order_for(study, mesh.tet_count(), 0);
-  return plan.order == 0 && order != kPreferredOrder ? laid(study.geometry, plan, order) : mesh;
+  return order != kPreferredOrder ? laid(study.geometry, plan, order) : mesh;
 }
 
 /// The surface for TetGen, of a body that is given by its dimensions.

@@ -28,9 +28,6 @@ class Placing {
 
   mesh::Site site(const std::string& what, const study::Place& place) {
     const Eigen::Vector3d& wanted = place.point;
-    if (place.from_above) {
-      if (const auto hit = finder_.from_above(wanted.x(), wanted.y())) return *hit;
-    }
     auto site = site_at(finder_, place);
     const double off = site.distance;
     const std::string found = fmt::format("{} at {} is {:.4g} mm off the body; nearest is {}", what,
