@@ -8,6 +8,7 @@
 #include <span>
 
 #include "app/command.h"
+#include "app/unit_of_data.h"
 #include "io/frf_file.h"
 #include "io/node_shapes.h"
 #include "io/time_file.h"
@@ -270,10 +271,7 @@ int told(const std::filesystem::path& path, const File& file, const show::Option
 
 int check_data(const std::filesystem::path& file, const show::Options& options,
                std::ostream& results) {
-  require(
-      options.unit != io::kEachInSi,
-      "--unit SI: only a study knows what each sensor measures; state one unit, or read the file "
-      "in a study");
+  require_one_unit(options.unit);
   try {
     io::FrfOptions frf;
     frf.unit = options.unit;

@@ -4,6 +4,7 @@
 #include <ostream>
 
 #include "app/command.h"
+#include "app/unit_of_data.h"
 #include "base/error.h"
 #include "io/frf_file.h"
 #include "io/mat.h"
@@ -18,10 +19,7 @@ struct Converted {
 
 Converted converted(const std::filesystem::path& from, const std::filesystem::path& to,
                     const std::string& unit, bool hdf5) {
-  require(
-      unit != io::kEachInSi,
-      "--unit SI: only a study knows what each sensor measures; state one unit, or read the file "
-      "in a study");
+  require_one_unit(unit);
   const auto version = hdf5 ? io::MatVersion::mat_7_3 : io::MatVersion::mat_5;
   try {
     io::FrfOptions options;

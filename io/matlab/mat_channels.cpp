@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "io/matlab/mat_names.h"
+#include "io/measured/frf_units.h"
 #include "io/scan.h"
 
 namespace chladni::io {
@@ -77,6 +78,18 @@ void describe_channels(const MatFields& fields, const std::string& side,
     const Eigen::Vector3d at(place(c), place(c + count), place(c + 2 * count));
     if (at.allFinite()) channel.position = at;
   }
+}
+
+void add_kinds(MatFields& fields, const std::vector<modal::MeasuredChannel>& outputs) {
+  std::vector<std::string> kinds;
+  bool any = false;
+  for (const auto& output : outputs) {
+    const bool told = motion_unit(output.unit).has_value();
+    const bool known = told || output.kind != modal::FrfKind::receptance;
+    any = any || (known && !told);
+    kinds.emplace_back(known ? kMotions[static_cast<std::size_t>(output.kind)] : "");
+  }
+  if (any) fields.emplace_back("kind", kinds);
 }
 
 std::vector<bool> read_kinds(const MatFields& fields,

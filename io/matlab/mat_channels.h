@@ -19,6 +19,10 @@ void add_channels(MatFields& fields, const std::string& side,
 void describe_channels(const MatFields& fields, const std::string& side,
                        std::vector<modal::MeasuredChannel>& channels);
 
+/// Adds the motion that each output measures as `kind`, where the unit of one of them does not tell
+/// it; "" where it is not known.
+void add_kinds(MatFields& fields, const std::vector<modal::MeasuredChannel>& outputs);
+
 /// Sets what `kind` states of outputs: one word for all, or one per output. Words are those of
 /// responses (receptance, mobility, accelerance) or of motions (displacement, velocity,
 /// acceleration); an empty one states nothing.

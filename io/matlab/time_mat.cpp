@@ -164,7 +164,7 @@ class RecordReader {
     }
   }
 
-  // Of each output, whether the file says what it measures. A variable of that name with other
+  // Whether the file says what each output measures. A variable of that name with other
   // contents is another program's.
   std::vector<bool> known_kinds() {
     auto outputs = data_.outputs;
@@ -223,24 +223,6 @@ TimeFile time_of_mat(const MatFile& file, const std::string& name, const TimeOpt
   }
   return result;
 }
-
-namespace {
-
-// What outputs measure, where the unit of one of them does not tell it.
-void add_kinds(MatFields& fields, const std::vector<modal::MeasuredChannel>& outputs) {
-  constexpr std::array<const char*, 3> words{"displacement", "velocity", "acceleration"};
-  std::vector<std::string> kinds;
-  bool any = false;
-  for (const auto& output : outputs) {
-    const bool told = motion_unit(output.unit).has_value();
-    const bool known = told || output.kind != modal::FrfKind::receptance;
-    any = any || (known && !told);
-    kinds.emplace_back(known ? words[static_cast<std::size_t>(output.kind)] : "");
-  }
-  if (any) fields.emplace_back("kind", kinds);
-}
-
-}  // namespace
 
 MatFields mat_of_time(const recordings::TimeData& data) {
   MatFields fields;

@@ -58,6 +58,11 @@ void add_excitation(const study::Study& study, study::Fingerprints& fingerprints
   }
 }
 
+// Name of what stood here before this run: a_before.toml for a.toml.
+std::string before(const std::filesystem::path& file) {
+  return file.stem().string() + "_before" + file.extension().string();
+}
+
 io::JsonArray inputs_of(const study::Origin& origin) {
   io::JsonArray inputs;
   for (const auto& [name, digits] : origin.inputs) {
@@ -91,10 +96,10 @@ void Run::put_outdated_aside() {
   std::string others;
   for (const auto& name : study::outdated(folder_.path(), origin(true))) {
     if (name == "report.html") {
-      std::filesystem::rename(*this / name, *this / "report_before.html");
+      std::filesystem::rename(*this / name, *this / before(name));
       talk_.warn(folder_.path().string() +
-                 ": report.html was of an earlier state of the study or of its files; it is "
-                 "report_before.html now, and `chladni study` writes a new one");
+                 ": report.html was of an earlier state of the study or of its files; it is " +
+                 before(name) + " now, and `chladni study` writes a new one");
     } else {
       others += (others.empty() ? "" : ", ") + name;
     }
@@ -133,11 +138,10 @@ void Run::put_aside(const std::string& file) {
   const auto named = study::named_files(study_, true, options_.allowed);
   if (is_older(study_.file) || std::ranges::any_of(named, is_older, &study::NamedFile::file))
     return;
-  const auto before = older.stem().string() + "_before" + older.extension().string();
   fault.clear();
-  std::filesystem::rename(older, *this / before, fault);
+  std::filesystem::rename(older, *this / before(file), fault);
   warn(fault ? file + " is of an earlier run and cannot be renamed: " + fault.message()
-             : file + " was of an earlier run; it is " + before + " now");
+             : file + " was of an earlier run; it is " + before(file) + " now");
 }
 
 void Run::warn_not_painted(const std::string& file, const std::string& why) {
