@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "show/control_models.h"
+#include "tests/study/plate_text.h"
 
 namespace chladni::show {
 namespace {
@@ -13,15 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 study::Study with_table(const std::string& table) {
-  return study::parse_study(R"(
-[geometry]
-plate = { length = "400 mm", width = "300 mm", thickness = "12 mm" }
-[material]
-youngs_modulus = "70 GPa"
-poissons_ratio = 0.33
-density = "2700 kg/m^3"
-)" + table,
-                            "plate.toml");
+  return study::parse_study(study::kPlateText + table, "plate.toml");
 }
 
 // Two modes of the given damping between two channels.

@@ -1,10 +1,9 @@
-// What is not known is told as such: of a loop that is unstable, of the mass of a specimen.
+// What is not known of a loop that is unstable is told as such.
 #include <gtest/gtest.h>
 
 #include <limits>
 
 #include "show/observer.h"
-#include "show/specimens.h"
 
 namespace chladni::show {
 namespace {
@@ -58,21 +57,6 @@ TEST(LoopText, AWorstMarginIsOfModelsThatAreDrawnAndStable) {
   const auto json = left_of(trial_of(20, 19)).at("on_estimate");
   EXPECT_TRUE(is_null(json.at("worst_rms_m").array()[0])) << "one of them drifts";
   EXPECT_NE(loop_text(trial_of(20, 19)).find("drifts"), std::string::npos);
-}
-
-TEST(SpecimensText, AHeavyMassIsInKilograms) {
-  diagnosis::OddEntry entry{.specimen = "table",
-                            .key = "mass",
-                            .effect = "",
-                            .unit = "kg",
-                            .of_study = 19.44,
-                            .value = 19.4,
-                            .std = 0.05};
-  EXPECT_EQ(entry_text(entry), "mass of table: 19.400 +- 0.050 kg, written 19.440 (-0.2 %)");
-  entry.of_study = 0.05;
-  entry.value = 0.0482;
-  entry.std = 0.0001;
-  EXPECT_EQ(entry_text(entry), "mass of table: 48.20 +- 0.10 g, written 50.00 (-3.6 %)");
 }
 
 }  // namespace

@@ -9,20 +9,12 @@
 #include "base/error.h"
 #include "io/matrix_picture.h"
 #include "tests/app/quiet_run.h"
+#include "tests/study/plate_text.h"
 
 namespace chladni::show {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kBody = R"(
-[geometry]
-plate = { length = "400 mm", width = "300 mm", thickness = "12 mm" }
-[material]
-youngs_modulus = "70 GPa"
-poissons_ratio = 0.33
-density = "2700 kg/m^3"
-)";
 
 class Runs : public testing::Test {
  protected:
@@ -42,7 +34,7 @@ class Runs : public testing::Test {
   }
 
   app::TestFolder folder_{"run"};
-  study::Study study_ = study::parse_study(kBody, folder_.path() / "plate.toml");
+  study::Study study_ = study::parse_study(study::kPlateText, folder_.path() / "plate.toml");
   std::ostringstream shown_, said_;
 };
 

@@ -7,20 +7,13 @@
 #include "steps/rigid_body.h"
 #include "tests/modal/chain.h"
 #include "tests/refusal.h"
+#include "tests/study/plate_text.h"
 
 namespace chladni::steps {
 namespace {
 
 study::Study with(const std::string& tables) {
-  return study::parse_study(R"(
-[geometry]
-plate = { length = "400 mm", width = "300 mm", thickness = "12 mm" }
-[material]
-youngs_modulus = "70 GPa"
-poissons_ratio = 0.33
-density = "2700 kg/m^3"
-)" + tables,
-                            "plate.toml");
+  return study::parse_study(study::kPlateText + tables, "plate.toml");
 }
 
 modal::ControlModel chain_model(double damping_ratio) {

@@ -5,19 +5,13 @@
 
 #include "study/schemas.h"
 #include "tests/refusal.h"
+#include "tests/study/plate_text.h"
 
 namespace chladni::study {
 namespace {
 
 Study study_with(const std::string& tables) {
-  return parse_study(R"(
-[geometry]
-plate = { length = "400 mm", width = "300 mm", thickness = "12 mm" }
-[material]
-youngs_modulus = "70 GPa"
-poissons_ratio = 0.33
-density = "2700 kg/m^3"
-[[sensor]]
+  return parse_study(kPlateText + std::string(R"([[sensor]]
 name = "s1"
 at = ["0 mm", "0 mm"]
 direction = "z"
@@ -25,7 +19,7 @@ direction = "z"
 name = "a1"
 at = ["0 mm", "0 mm"]
 direction = "z"
-)" + tables,
+)") + tables,
                      "plate.toml");
 }
 

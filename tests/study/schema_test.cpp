@@ -7,6 +7,7 @@
 
 #include "study/schemas.h"
 #include "tests/refusal.h"
+#include "tests/study/plate_text.h"
 
 namespace chladni::study {
 namespace {
@@ -48,15 +49,7 @@ TEST(Schema, NamesEachKeyOnceWithItsMeaning) {
 
 /// @param top  what stands above all tables
 Study with(const std::string& table, const std::string& top = "") {
-  return parse_study(top + R"(
-[geometry]
-plate = { length = "400 mm", width = "300 mm", thickness = "12 mm" }
-[material]
-youngs_modulus = "70 GPa"
-poissons_ratio = 0.33
-density = "2700 kg/m^3"
-)" + table,
-                     "plate.toml");
+  return parse_study(top + kPlateText + table, "plate.toml");
 }
 
 template <typename Plan>

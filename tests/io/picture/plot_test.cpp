@@ -246,7 +246,7 @@ TEST_F(PlotPicture, VectorsLieWhereTheValuesAre) {
   }
 }
 
-// Of two units side by side each has its own label; one that both have stands at the left alone.
+// Each of two units side by side has its own label; one that both have stands at the left alone.
 TEST_F(PlotPicture, APanelIsLabelledWhereItsAxisIsNotItsNeighbours) {
   auto plot = plot_of(PlotSeries::Style::line, 1);
   plot.columns = 2;
