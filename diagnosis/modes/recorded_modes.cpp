@@ -189,6 +189,8 @@ RecordedModes ModeSolver::modes(const State& state, double low_hz, double high_h
   result.frequency_hz = kept / (2.0 * std::numbers::pi);
   result.damping_ratio = body.damping(columns).cwiseQuotient(2.0 * kept);
   result.motion = body.shapes(Eigen::all, columns);
+  result.output_of = state.output_of;
+  result.input_of = state.input_of;
   const MatrixXd& shapes = result.motion;
   record(state.output_paths, state.output_of, state.outputs.leftCols(shapes.rows()) * shapes, kept,
          result.outputs, result.output_path);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "diagnosis/fit/state.h"
 
@@ -13,6 +14,7 @@ struct RecordedModes {
   Eigen::MatrixXd outputs, inputs;              ///< p×n, q×n: shapes behind each record [kg^-1/2]
   Eigen::MatrixXcd output_path, input_path;     ///< p×n, q×n: path of each record at each mode
   Eigen::MatrixXd motion;                       ///< r×n: in the coordinates of the structure
+  std::vector<Eigen::Index> output_of, input_of;  ///< p, q: the channel that each record shows
 
   [[nodiscard]] Eigen::Index count() const { return frequency_hz.size(); }
 };
@@ -25,12 +27,12 @@ class ModeSolver {
   ///              faster and less exact
   ModeSolver(State base, Eigen::Index most);
 
-  /// Undamped modes from `low_hz` to `high_hz`, with the damping ratios of light damping. The body's
-  /// own ratios are those of the modes as they are, whatever changes their stiffness and mass, as
-  /// in a study that states them (loaded_damping.h). An
-  /// attachment yields as the modes above do (State::output_upper); a carried mass adds its mode.
-  /// Frames and the residual flexibility have no part in modes.
-  /// Cost: 1 ms for 40 coordinates. @throws NumericalFailure  a mass that is not positive
+  /// Undamped modes from `low_hz` to `high_hz`, with the damping ratios of light damping. The
+  /// body's own ratios are those of the modes as they are, whatever changes their stiffness and
+  /// mass, as in a study that states them (loaded_damping.h). An attachment yields as the modes
+  /// above do (State::output_upper); a carried mass adds its mode. Frames and the residual
+  /// flexibility have no part in modes. Cost: 1 ms for 40 coordinates. @throws NumericalFailure  a
+  /// mass that is not positive
   [[nodiscard]] RecordedModes modes(const State& state, double low_hz, double high_hz) const;
 
  private:

@@ -102,6 +102,10 @@ struct Scene {
   [[nodiscard]] bool has_damping(Index i) const {
     return measured.damping_ratio(i) > 0.0 && structure.damping_ratio.maxCoeff() > 0.0;
   }
+  // The channel whose motion a record shows: exchanged channels take their places with them.
+  [[nodiscard]] Index channel_of(bool sensor, Index record) const {
+    return (sensor ? model.output_of : model.input_of)[at(record)];
+  }
 };
 
 // Motion of channel i along an axis of the chart, behind record i.
@@ -132,7 +136,7 @@ void put_channel_errors(Rows& rows, const Place& place, const VectorXd& motion,
   if (!scene.columns.gains) return;
   const auto& channels = place.is_sensor ? scene.structure.outputs : scene.structure.inputs;
   for (Index a = 0; a < place.side.count(); ++a) {
-    const Index i = place.side.rows[at(a)];
+    const Index i = scene.channel_of(place.is_sensor, place.side.rows[at(a)]);
     put_change(rows, place, a, place.side.model(a), scene.columns.gain(place.is_sensor, i));
     put_change(rows, place, a, place.side.model(a), scene.columns.common_gain(place.is_sensor));
     for (const Index axis : {0, 1}) {
@@ -189,7 +193,7 @@ void put_smooth(Rows& rows, const Place& place, const Scene& scene) {
   const double square = square_of(place.side);
   const Index count = scene.smooth.cols();
   for (Index a = 0; a < place.side.count(); ++a) {
-    const Index channel = before + place.side.rows[at(a)];
+    const Index channel = before + scene.channel_of(place.is_sensor, place.side.rows[at(a)]);
     const double size = std::copysign(place.side.weight(a), place.side.recorded(a));
     for (Index c = 0; c < count; ++c) {
       const double change = size * scene.smooth(channel, c);
@@ -342,14 +346,26 @@ ModeBlock alone(const Scene& scene, Index i) {
   return rows.taken();
 }
 
-// Modes of the model between the lowest and the highest measured one that no measured mode has.
-double unseen(const MeasuredModes& measured, const RecordedModes& model, const Matching& matching) {
+// How well one side sees a mode: 1, down to 0 where it hardly does. A side without measured shapes
+// tells nothing of it.
+double visibility(const Eigen::MatrixXcd& measured, const MatrixXd& shapes, Index k, double unit) {
+  if (measured.rows() == 0 || shapes.rows() == 0) return 1.0;
+  const double seen = kConstants.blindest * shapes.col(k).norm() /
+                      (unit * std::sqrt(static_cast<double>(shapes.rows())));
+  return seen * seen / (1.0 + seen * seen);
+}
+
+// Modes of the model between the lowest and the highest measured one that no measured mode has. One
+// that the channels do not see is missed by nobody.
+double unseen(const Scene& scene, const Matching& matching) {
+  const auto& hz = scene.measured.frequency_hz;
   double count = 0.0;
-  for (Index k = 0; k < model.count(); ++k) {
-    const double hz = model.frequency_hz(k);
-    const bool within =
-        hz > measured.frequency_hz(0) && hz < measured.frequency_hz(measured.count() - 1);
-    if (within && std::ranges::find(matching.model, k) == matching.model.end()) count += 1.0;
+  for (Index k = 0; k < scene.model.count(); ++k) {
+    const double own = scene.model.frequency_hz(k);
+    if (own <= hz(0) || own >= hz(hz.size() - 1)) continue;
+    if (std::ranges::find(matching.model, k) != matching.model.end()) continue;
+    count += visibility(scene.measured.output_shapes, scene.model.outputs, k, scene.units.outputs) *
+             visibility(scene.measured.input_shapes, scene.model.inputs, k, scene.units.inputs);
   }
   return count;
 }
@@ -375,7 +391,7 @@ ModeErrors mode_errors(const Structure& structure, const MeasuredModes& measured
     errors.blocks.push_back(k < 0 || doubted ? alone(scene, i)
                                              : paired(scene, i, matching.span[at(i)], disturbed));
   }
-  errors.penalty += kConstants.unmeasured * unseen(measured, model, matching);
+  errors.penalty += kConstants.unmeasured * unseen(scene, matching);
   return errors;
 }
 

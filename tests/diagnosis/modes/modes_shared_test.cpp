@@ -134,5 +134,64 @@ TEST_F(SharedColumns, AreThoseOfTheBody) {
   EXPECT_EQ(stiff, 3U);  // modulus, two of orthotropy
 }
 
+// Two sensors that were exchanged, and the hypothesis that they are: the errors of places and of
+// shapes that neighbours share belong to the sensors, not to the names of their records.
+TEST(ExchangedChannels, AreAsProbableAsTheyWereInOrder) {
+  const auto& plate = small_plate();
+  auto measured = measured_of(modes_of(loaded()), 0.05);
+  PerClass levels;
+  levels << 0.01, 0.2, 0.02, 0.02, 0.03, 0.02, 2e-3, 2e-3, 0.06;
+  const auto objective = [&](const State& state) {
+    const auto model = modes_of(state);
+    return LevelLikelihood(errors_of(measured, model, matched_by_shape(measured, model)), levels)
+        .negative_log();
+  };
+  const double in_order = objective(loaded());
+  const auto& swap = effect("swapped_sensors");
+  for (Index option = 0; option < swap.options(plate); ++option) {
+    State state = loaded();
+    swap.apply(state, plate, option, VectorXd());
+    const MatrixXd before = measured.output_std;
+    const Eigen::MatrixXcd shapes = measured.output_shapes;
+    measured.output_shapes = shapes(state.output_of, Eigen::all);
+    measured.output_std = before(state.output_of, Eigen::all);
+    EXPECT_NEAR(objective(state), in_order, 1e-7 * std::abs(in_order)) << option;
+    EXPECT_GT(objective(loaded()), in_order + 10.0) << option;
+    measured.output_shapes = shapes;
+    measured.output_std = before;
+  }
+}
+
+// A mode of the model that nothing was measured of counts against it, but not one that lies on the
+// nodes of all sensors.
+TEST(UnmeasuredModes, CountAsFarAsTheChannelsSeeThem) {
+  const auto model = modes_of(loaded());
+  auto measured = measured_of(model, 0.02);
+  const auto without = [](MeasuredModes of, Index k) {
+    std::vector<Index> others;
+    for (Index i = 0; i < of.count(); ++i) {
+      if (i != k) others.push_back(i);
+    }
+    for (auto* rows : {&of.frequency_hz, &of.damping_ratio, &of.frequency_std, &of.damping_std}) {
+      *rows = VectorXd((*rows)(others));
+    }
+    for (auto* shapes : {&of.output_shapes, &of.input_shapes}) {
+      *shapes = Eigen::MatrixXcd((*shapes)(Eigen::all, others));
+    }
+    for (auto* std : {&of.output_std, &of.input_std}) *std = MatrixXd((*std)(Eigen::all, others));
+    return of;
+  };
+  const auto penalty = [&](const RecordedModes& of) {
+    const auto fewer = without(measured, 4);
+    return errors_of(fewer, of, matched_by_shape(fewer, of)).penalty;
+  };
+  const double seen = penalty(model);
+  RecordedModes hidden = model;
+  hidden.outputs.col(4) *= 1e-3;
+  EXPECT_GT(seen, 0.8 * kConstants.unmeasured);
+  EXPECT_LT(seen, 1.01 * kConstants.unmeasured);
+  EXPECT_LT(penalty(hidden), 0.01 * kConstants.unmeasured);
+}
+
 }  // namespace
 }  // namespace chladni::diagnosis
