@@ -60,7 +60,7 @@ struct ModeConstants {
   double disturbed_prior = 0.1;
   /// [1] Probability at which a cause of modes is named. Chosen.
   double sure = 0.8;
-  /// [ln] A further cause that brings this, but no sure_evidence, makes an unnamed rival. Chosen.
+  /// [ln] A further cause that brings this, but not least_evidence, makes an unnamed rival. Chosen.
   double rival_evidence = 4.0;
   /// [1] Part of the measured modes that must have a partner. Chosen.
   double few_partners = 0.5;

@@ -25,6 +25,9 @@ using Eigen::VectorXd;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kLevelRounds = 4;  // of levels alone, at the end
 
+// Measured modes without a partner.
+Index alone(const Matching& of) { return std::ranges::count(of.model, Index{-1}); }
+
 // One hypothesis on its way to its most probable sizes.
 class Descent {
  public:
@@ -75,7 +78,6 @@ class Descent {
   // Where levels are known, what deviates more is what a cause has to explain.
   [[nodiscard]] std::vector<Index> partners_without_worst() const {
     if (fit_.disturbed.what == Disturbed::What::mode || problem_.prior().width <= 0.0) return {};
-    const auto alone = [](const Matching& of) { return std::ranges::count(of.model, Index{-1}); };
     if (alone(fit_.matching) > alone(problem_.matchings(fit_.model).front())) return {};
     VectorXd excess = likelihood_->block_squares();
     const auto& blocks = likelihood_->errors().blocks;
@@ -205,20 +207,24 @@ class Descent {
     }
   }
 
-  // Errors at other sizes with the present pairs; empty where the numbers are not the same ones.
-  [[nodiscard]] VectorXd errors_at(const RecordedModes& model) const {
-    if (model.count() != fit_.model.count()) return {};
-    const VectorXd there = stacked(problem_.errors(fit_, model, fit_.matching, false));
-    return there.size() == own_.size() ? there : VectorXd();
+  // Errors at other sizes with the present pairs; none where the numbers are not the same ones.
+  [[nodiscard]] std::optional<ModeErrors> errors_at(const RecordedModes& model) const {
+    if (model.count() != fit_.model.count()) return std::nullopt;
+    auto there = problem_.errors(fit_, model, fit_.matching);
+    if (stacked(there).size() != own_.size()) return std::nullopt;
+    return there;
   }
 
-  // d(measured less model)/dx with the present pairs.
+  // d(measured less model)/dx with the present pairs, and the slope of the likelihood, whose
+  // covariance changes with x too.
   [[nodiscard]] MatrixXd slopes() {
     changes_.clear();
     for (const auto& cause : all_) {
       changes_.push_back(change_of(cause, problem_.structure()));
     }
     MatrixXd result = MatrixXd::Zero(own_.size(), prior_.centre.size());
+    const double here = likelihood_->negative_log();
+    gradient_ = VectorXd::Zero(result.cols());
     for (Index c = 0; c < result.cols(); ++c) {
       VectorXd step = VectorXd::Zero(result.cols());
       for (const double sign : {1.0, -1.0}) {
@@ -226,9 +232,11 @@ class Descent {
         const auto causes = moved(all_, step);
         const auto model = modes_with(causes, c);
         if (!model) continue;
-        const VectorXd there = errors_at(*model);
-        if (there.size() == 0) continue;
-        result.col(c) = (there - own_) / step(c);
+        auto there = errors_at(*model);
+        if (!there) continue;
+        result.col(c) = (stacked(*there) - own_) / step(c);
+        const LevelLikelihood other(std::move(*there), fit_.levels);
+        gradient_(c) = (other.negative_log() - here) / step(c);
         break;
       }
     }
@@ -243,15 +251,35 @@ class Descent {
     return hessian;
   }
 
+  // Where a step leads.
+  struct Arrival {
+    std::vector<Supposed> all;
+    RecordedModes model;
+    Matching matching;
+    bool is_alike = false;  // as many modes, and as many numbers of each
+    LevelLikelihood likelihood;
+    double objective = 0.0;
+  };
+
+  // Two directions: of the objective, and of the misfit alone at the present covariance. Near a
+  // mode that a cause splits in two the covariance changes at once, and hides the way to its sizes.
   void step() {
     slope_ = slopes();
     const MatrixXd hessian = curvature(slope_);
-    const VectorXd gradient = likelihood_->product(slope_, own_) + prior_.slope(coordinates(all_));
+    const VectorXd prior = prior_.slope(coordinates(all_));
+    const VectorXd whole = gradient_ + prior;
+    const VectorXd misfit = likelihood_->product(slope_, own_) + prior;
     for (int attempt = 0; attempt < 5; ++attempt) {
       MatrixXd damped = hessian;
       damped.diagonal() *= 1.0 + damping_;
-      const VectorXd by = -damped.ldlt().solve(gradient);
-      if (by.allFinite() && accept(by)) {
+      const Eigen::LDLT<MatrixXd> factor(damped);
+      std::optional<Arrival> best;
+      for (const auto* gradient : {&whole, &misfit}) {
+        auto arrival = arrival_at(-factor.solve(*gradient));
+        if (arrival && (!best || arrival->objective < best->objective)) best = std::move(arrival);
+      }
+      if (best && best->objective < fit_.objective) {
+        take(std::move(*best));
         damping_ *= 0.2;
         return;
       }
@@ -259,31 +287,38 @@ class Descent {
     }
   }
 
-  // Takes the step if it lowers the objective at the present covariance.
-  bool accept(const VectorXd& by) {
-    auto causes = moved(all_, by);
-    for (std::size_t c = 0; c < causes.size(); ++c) {
-      keep_on_surface(problem_.structure(), all_[c], causes[c]);
+  [[nodiscard]] std::optional<Arrival> arrival_at(const VectorXd& by) const {
+    if (!by.allFinite()) return std::nullopt;
+    auto all = moved(all_, by);
+    for (std::size_t c = 0; c < all.size(); ++c) {
+      keep_on_surface(problem_.structure(), all_[c], all[c]);
     }
-    const double prior = log_prior_of(causes);
-    if (!std::isfinite(prior)) return false;
-    auto model = modes(causes);
-    if (!model) return false;
-    const VectorXd there = errors_at(*model);
-    if (there.size() > 0) {
-      if (!(likelihood_->negative_log(there) - prior < fit_.objective)) return false;
-    } else {
-      const auto matching = problem_.matchings(*model).front();
-      const LevelLikelihood other(problem_.errors(fit_, *model, matching), fit_.levels);
-      if (!(other.negative_log() - prior < fit_.objective)) return false;
-      fit_.matching = matching;
-      slope_.resize(0, 0);
+    const double prior = log_prior_of(all);
+    if (!std::isfinite(prior)) return std::nullopt;
+    auto model = modes(all);
+    if (!model) return std::nullopt;
+    auto matching = fit_.matching;
+    auto errors = errors_at(*model);
+    const bool is_alike = errors.has_value();
+    if (!is_alike) {
+      matching = problem_.matchings(*model).front();
+      // Where levels are known a mode without a partner may cost less than one with a bad one.
+      if (alone(matching) > alone(fit_.matching)) return std::nullopt;
+      errors = problem_.errors(fit_, *model, matching);
     }
-    all_ = std::move(causes);
+    LevelLikelihood likelihood(std::move(*errors), fit_.levels);
+    const double objective = likelihood.negative_log() - prior;
+    return Arrival{std::move(all), std::move(*model),     std::move(matching),
+                   is_alike,       std::move(likelihood), objective};
+  }
+
+  void take(Arrival arrival) {
+    if (!arrival.is_alike) slope_.resize(0, 0);
+    fit_.matching = std::move(arrival.matching);
+    all_ = std::move(arrival.all);
     put_back();
-    fit_.model = std::move(*model);
-    take({problem_.errors(fit_, fit_.model, fit_.matching), fit_.levels});
-    return true;
+    fit_.model = std::move(arrival.model);
+    take(std::move(arrival.likelihood));
   }
 
   const ModesProblem& problem_;
@@ -291,9 +326,10 @@ class Descent {
   std::vector<Supposed> all_;  // constants and causes
   CoordinatePrior prior_;
   std::optional<LevelLikelihood> likelihood_;
-  Changes changes_;  // of the present causes
-  VectorXd own_;     // errors at the present sizes
-  MatrixXd slope_;   // of the errors in the coordinates, about there; empty: not known
+  Changes changes_;    // of the present causes
+  VectorXd own_;       // errors at the present sizes
+  MatrixXd slope_;     // of the errors in the coordinates, about there; empty: not known
+  VectorXd gradient_;  // of the likelihood there
   double damping_ = 1e-3;
 };
 

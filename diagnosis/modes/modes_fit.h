@@ -26,7 +26,8 @@ struct ModesFit {
   Eigen::VectorXd constants;  ///< coordinates of the study's constants (HeldConstant)
   /// Other maxima of the constants with nearly the same evidence, of the fit without a cause.
   std::vector<Eigen::VectorXd> other_constants;
-  Eigen::MatrixXd covariance;  ///< of all x, cause by cause, then of the constants
+  Eigen::MatrixXd covariance;   ///< of all x, cause by cause, then of the constants
+  bool has_clear_sizes = true;  ///< have_clear_sizes, where the fit was found by a search
 };
 
 /// True for the same effect and choice, at places that modes hardly tell apart.
@@ -71,9 +72,9 @@ class ModesProblem {
                                   const Matching& matching, bool with_shared = true) const;
   /// The hypothesis at its most probable sizes and levels (Levenberg and Marquardt in the sizes,
   /// MacKay's update of the levels), and its evidence (Laplace). The fit starts at the causes and
-  /// levels of `start`, and with its pairs if they are the most probable. In full (kRounds) the mode
-  /// that suits its partner least may be left without one, where that is more probable. Cost: some
-  /// 20 eigenproblems per coordinate, twice that where a mode is left alone.
+  /// levels of `start`, and with its pairs if they are the most probable. In full (kRounds) the
+  /// mode that suits its partner least may be left without one, where that is more probable. Cost:
+  /// some 20 eigenproblems per coordinate, twice that where a mode is left alone.
   [[nodiscard]] ModesFit fitted(const ModesFit& start, int rounds = kRounds) const;
   static constexpr int kRounds = 8;
   /// The structure as it is, with its constants calibrated and levels learned.

@@ -1,5 +1,6 @@
 // Starts of an effect, by the roles of its parameters.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "diagnosis/modes/modes_search.h"
@@ -13,6 +14,11 @@ using Eigen::VectorXd;
 constexpr Index kPlaces = 48;     // of an effect with a place
 constexpr Index kFewPlaces = 24;  // of one that also has a frequency or an extent
 constexpr int kFrequencies = 8;   // over the band
+
+// Sizes of what is light for its prior, in widths: where its frequency is that of a mode it splits
+// the mode in two, and moves no other one.
+constexpr std::array kLight{-1.75, -0.75};
+constexpr Index kTunedPlaces = 16;
 
 // Places that are far from each other: each next one is the farthest from those before.
 std::vector<Index> spread(const Eigen::MatrixX2d& places, Index count) {
@@ -44,17 +50,18 @@ Values sizes_of(const Parameter& parameter, bool few) {
   return values;
 }
 
-Values values_of(const Parameter& parameter, double low_hz, double high_hz) {
+Values values_of(const Parameter& parameter, const VectorXd& measured_hz) {
   using Role = Parameter::Role;
   const double c = parameter.centre;
   const double w = parameter.width;
   switch (parameter.role) {
     case Role::frequency: {
       Values values;
+      const double low = 0.7 * measured_hz.minCoeff();
+      const double high = 1.4 * measured_hz.maxCoeff();
       for (int i = 0; i < kFrequencies; ++i) {
         const double part = (i + 0.5) / kFrequencies;
-        values.push_back(
-            parameter.coordinate(0.7 * low_hz * std::pow(1.4 * high_hz / (0.7 * low_hz), part)));
+        values.push_back(parameter.coordinate(low * std::pow(high / low, part)));
       }
       return values;
     }
@@ -68,7 +75,7 @@ Values values_of(const Parameter& parameter, double low_hz, double high_hz) {
 // All points of the grid of one choice.
 class Grid {
  public:
-  Grid(const Structure& structure, const Effect& effect, double low_hz, double high_hz)
+  Grid(const Structure& structure, const Effect& effect, const VectorXd& measured_hz)
       : structure_(structure), parameters_(effect.parameters(structure)) {
     bool has_place = false, has_more = false, has_frequency = false;
     for (const auto& parameter : parameters_) {
@@ -76,25 +83,45 @@ class Grid {
       has_frequency = has_frequency || parameter.role == Parameter::Role::frequency;
       has_more = has_more || has_frequency || parameter.role == Parameter::Role::extent;
     }
+    const bool is_tuned = has_place && has_frequency;
     for (const auto& parameter : parameters_) {
       values_.push_back(parameter.role == Parameter::Role::strength
-                            ? sizes_of(parameter, has_place && has_frequency)
-                            : values_of(parameter, low_hz, high_hz));
+                            ? sizes_of(parameter, is_tuned)
+                            : values_of(parameter, measured_hz));
     }
     if (has_place) places_ = spread(structure.surface.places, has_more ? kFewPlaces : kPlaces);
     x_.resize(static_cast<Index>(parameters_.size()));
-    if (has_place) {
-      for (const Index place : places_) {
-        put_place(place);
-        put_strengths();
-      }
-    } else {
-      put_strengths();
-    }
+    put_all();
+    if (!is_tuned) return;
+    tune(measured_hz);
+    places_ = spread(structure.surface.places, kTunedPlaces);
+    put_all();
   }
   [[nodiscard]] const std::vector<VectorXd>& points() const { return points_; }
 
  private:
+  // Light ones at the frequencies of the measured modes.
+  void tune(const VectorXd& measured_hz) {
+    for (std::size_t i = 0; i < parameters_.size(); ++i) {
+      const auto& parameter = parameters_[i];
+      if (parameter.role == Parameter::Role::frequency) {
+        values_[i].clear();
+        for (const double hz : measured_hz) values_[i].push_back(parameter.coordinate(hz));
+      } else if (parameter.role == Parameter::Role::strength) {
+        values_[i].clear();
+        for (const double part : kLight) {
+          values_[i].push_back(parameter.centre + part * parameter.width);
+        }
+      }
+    }
+  }
+  void put_all() {
+    if (places_.empty()) put_strengths();
+    for (const Index place : places_) {
+      put_place(place);
+      put_strengths();
+    }
+  }
   void put_place(Index place) {
     for (std::size_t i = 0; i < parameters_.size(); ++i) {
       const auto role = parameters_[i].role;
@@ -145,12 +172,12 @@ class Grid {
 
 }  // namespace
 
-std::vector<Supposed> grid_of(const Structure& structure, const Effect& effect, double low_hz,
-                              double high_hz) {
+std::vector<Supposed> grid_of(const Structure& structure, const Effect& effect,
+                              const Eigen::VectorXd& measured_hz) {
   std::vector<Supposed> starts;
   const Index options = effect.options(structure);
   if (options <= 0) return starts;
-  const Grid grid(structure, effect, low_hz, high_hz);
+  const Grid grid(structure, effect, measured_hz);
   for (Index option = 0; option < options; ++option) {
     for (const auto& point : grid.points()) starts.push_back({&effect, option, point});
   }

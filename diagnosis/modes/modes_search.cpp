@@ -1,6 +1,5 @@
 #include "diagnosis/modes/modes_search.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -8,6 +7,7 @@
 #include "base/index.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/modes/modes_look.h"
+#include "diagnosis/modes/significance.h"
 #include "host/parallel.h"
 
 namespace chladni::diagnosis {
@@ -17,10 +17,12 @@ using Eigen::Index;
 
 constexpr std::size_t kPerEffect = 3;  // starts of one effect that are fitted in full, at most
 constexpr std::size_t kMoved = 3;      // starts of one effect, and of other sizes, that are moved
-constexpr std::size_t kLookedAt = 24;  // starts that are fitted in two rounds, per level
-constexpr std::size_t kInFull = 8;     // of these, fitted in full
-constexpr int kQuickRounds = 2;        // of such a first fit
-constexpr std::size_t kBeam = 2;       // fits from which a further cause is sought
+constexpr std::size_t kMovedFrequencies = 24;  // of starts with a frequency
+constexpr std::size_t kLookedAt = 24;          // starts that are fitted in two rounds, per level
+constexpr std::size_t kInFull = 8;             // of these, fitted in full
+constexpr int kQuickRounds = 2;                // of such a first fit
+constexpr std::size_t kRevised = 4;            // fits whose earlier causes are sought again
+constexpr std::size_t kBeam = 2;               // fits from which a further cause is sought
 
 struct Candidate {
   Supposed cause;
@@ -43,14 +45,24 @@ std::vector<Candidate> first_of(const ModesProblem& problem, std::vector<Candida
   return best;
 }
 
-// The coordinates of a cause without its place.
+// What tells the starts of one effect apart, wherever they are: the frequency of one that has a
+// frequency, else all coordinates but the place.
 Eigen::VectorXd coordinates_without_place(const ModesProblem& problem, const Supposed& cause) {
-  Eigen::VectorXd x = cause.x;
+  using Role = Parameter::Role;
   const auto parameters = cause.effect->parameters(problem.structure());
+  const auto frequency = std::ranges::find(parameters, Role::frequency, &Parameter::role);
+  if (frequency != parameters.end()) return cause.x.segment(frequency - parameters.begin(), 1);
+  Eigen::VectorXd x = cause.x;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     if (parameters[i].is_place()) x(static_cast<Index>(i)) = 0.0;
   }
   return x;
+}
+
+bool has_frequency(const ModesProblem& problem, const Effect& effect) {
+  return std::ranges::any_of(effect.parameters(problem.structure()), [](const Parameter& one) {
+    return one.role == Parameter::Role::frequency;
+  });
 }
 
 // The starts of one effect that are moved at a choice of levels: the best at places and choices of
@@ -76,10 +88,9 @@ std::vector<Candidate> to_move(const ModesProblem& problem, std::vector<Candidat
 // of the levels are moved first: neighbours on it may differ by more than the errors are.
 std::vector<Candidate> best_of(const ModesLook& look, const ModesProblem& problem,
                                const Effect& effect) {
-  const auto& hz = problem.measured().frequency_hz;
   const auto& levels = look.levels();
   std::vector<std::vector<Candidate>> at_level(levels.size());
-  for (const auto& start : grid_of(problem.structure(), effect, hz.minCoeff(), hz.maxCoeff())) {
+  for (const auto& start : grid_of(problem.structure(), effect, problem.measured().frequency_hz)) {
     const auto objectives = look(start);
     for (std::size_t i = 0; i < objectives.size(); ++i) {
       if (std::isfinite(objectives[i])) {
@@ -90,7 +101,9 @@ std::vector<Candidate> best_of(const ModesLook& look, const ModesProblem& proble
   std::vector<Candidate> all;
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const std::size_t most = i == 0 ? kMoved : 1;
-    for (auto& one : to_move(problem, std::move(at_level[i]), most, most)) {
+    // Each frequency is another mode that splits in two.
+    const std::size_t sizes = i == 0 && has_frequency(problem, effect) ? kMovedFrequencies : most;
+    for (auto& one : to_move(problem, std::move(at_level[i]), most, sizes)) {
       auto moved = look.moved(one.cause, i);
       if (!std::isfinite(moved.log_evidence)) continue;
       all.push_back({std::move(moved.cause), levels[i], -moved.log_evidence});
@@ -127,6 +140,22 @@ void sort(std::vector<ModesFit>& fits) {
   std::ranges::stable_sort(fits, std::ranges::greater{}, &ModesFit::log_evidence);
 }
 
+// The likeliest fits, those with other last causes first: near places often lead to one maximum.
+std::vector<ModesFit> likeliest(const ModesProblem& problem, std::vector<ModesFit> fits,
+                                std::size_t most) {
+  sort(fits);
+  std::vector<ModesFit> first, more;
+  for (auto& fit : fits) {
+    const bool is_new = std::ranges::none_of(first, [&](const ModesFit& other) {
+      return alike(problem.structure(), fit.causes.back(), other.causes.back());
+    });
+    (is_new ? first : more).push_back(std::move(fit));
+  }
+  std::ranges::move(more, std::back_inserter(first));
+  if (first.size() > most) first.resize(most);
+  return first;
+}
+
 // All starts in two rounds, then the best of them in full.
 std::vector<ModesFit> fitted_with(const ModesProblem& problem, const ModesFit& base,
                                   const std::vector<Candidate>& starts) {
@@ -137,8 +166,7 @@ std::vector<ModesFit> fitted_with(const ModesProblem& problem, const ModesFit& b
     start.levels = starts[i].levels;
     fits[i] = problem.fitted(start, kQuickRounds);
   });
-  sort(fits);
-  if (fits.size() > kInFull) fits.resize(kInFull);
+  fits = likeliest(problem, std::move(fits), kInFull);
   parallel_tasks(fits.size(), [&](std::size_t i) { fits[i] = problem.fitted(fits[i]); });
   std::erase_if(fits, [](const ModesFit& fit) { return !std::isfinite(fit.log_evidence); });
   return fits;
@@ -165,71 +193,6 @@ std::vector<ModesFit> disturbed_fits(const ModesProblem& problem, const ModesFit
   return fits;
 }
 
-// Deviations of the coordinates of the last cause where its place, its extent and its other forms
-// are held. A mass on a node of a mode may be known by its effect and not by its size: what it
-// changes is certain, and so is that it is there.
-Eigen::VectorXd deviations_in_place(const ModesProblem& problem, const ModesFit& fit) {
-  using Role = Parameter::Role;
-  Index first = 0;
-  for (const auto& other : fit.causes) first += other.x.size();
-  const auto& cause = fit.causes.back();
-  first -= cause.x.size();
-  std::vector<Index> held;
-  const auto parameters = cause.effect->parameters(problem.structure());
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const auto role = parameters[i].role;
-    const bool is_held = parameters[i].is_place() || role == Role::extent || role == Role::shape;
-    if (is_held) held.push_back(first + static_cast<Index>(i));
-  }
-  Eigen::VectorXd variance = fit.covariance.diagonal().segment(first, cause.x.size());
-  if (!held.empty()) {
-    const Eigen::MatrixXd beside = fit.covariance(held, Eigen::seqN(first, cause.x.size()));
-    const Eigen::LDLT<Eigen::MatrixXd> of_held(Eigen::MatrixXd(fit.covariance(held, held)));
-    const Eigen::MatrixXd explained = beside.transpose() * of_held.solve(beside);
-    variance = (variance - explained.diagonal()).cwiseMax(0.0);
-  }
-  return variance.cwiseSqrt();
-}
-
-// The deviation that a sound structure may have of the same kind: the tolerance, or its level.
-double usual_size(const ModesProblem& problem, const ModesFit& fit, const Effect& effect) {
-  if (effect.tolerance == nullptr) return 0.0;
-  const double stated = problem.tolerances().*effect.tolerance;
-  const auto level = [&](ErrorClass of) { return fit.levels(static_cast<int>(of)); };
-  if (effect.tolerance == &Tolerances::gain) return std::max(stated, level(ErrorClass::gain));
-  if (effect.tolerance == &Tolerances::position) return std::max(stated, level(ErrorClass::place));
-  return stated;
-}
-
-// True if a size of the last cause differs from that of a sound structure by more than its
-// deviation and more than such structures differ. The size of a cause without a strength is its
-// frequency; a cause without both is there or not.
-bool is_significant(const ModesProblem& problem, const ModesFit& fit) {
-  using Role = Parameter::Role;
-  const auto& cause = fit.causes.back();
-  const auto parameters = cause.effect->parameters(problem.structure());
-  const auto is_strength = [](const Parameter& parameter) {
-    return parameter.role == Role::strength || parameter.role == Role::offset;
-  };
-  const bool has_strength = std::ranges::any_of(parameters, is_strength);
-  const auto is_size = [&](const Parameter& parameter) {
-    return has_strength ? is_strength(parameter) : parameter.role == Role::frequency;
-  };
-  if (std::ranges::none_of(parameters, is_size)) return true;
-  const auto deviation = deviations_in_place(problem, fit);
-  const double usual = usual_size(problem, fit, *cause.effect);
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    if (!is_size(parameters[i])) continue;
-    const double std = deviation(static_cast<Index>(i));
-    const double size = std::abs(cause.x(static_cast<Index>(i)));
-    const bool is_clear = parameters[i].is_about_zero()
-                              ? size > kConstants.significant * std::max(std, usual)
-                              : std < kConstants.determined;
-    if (is_clear) return true;
-  }
-  return false;
-}
-
 // The fit without a cause, with the pairs of any of the fits if they are more probable there: a
 // small cause may have let the modes be paired anew, and is not what explains them.
 ModesFit paired_as(const ModesProblem& problem, ModesFit nothing,
@@ -248,6 +211,59 @@ ModesFit paired_as(const ModesProblem& problem, ModesFit nothing,
   return nothing;
 }
 
+// A first cause was chosen beside none, and may stand where the last one belongs. The best fits
+// without each of their causes but the last, at sizes that suit what is left.
+std::vector<ModesFit> without_earlier(const ModesProblem& problem,
+                                      const std::vector<ModesFit>& fits) {
+  std::vector<ModesFit> bases;
+  for (std::size_t i = 0; i < std::min(fits.size(), kRevised); ++i) {
+    if (fits[i].log_evidence < fits.front().log_evidence - kConstants.beam_within) break;
+    for (std::size_t c = 0; c + 1 < fits[i].causes.size(); ++c) {
+      ModesFit base = fits[i];
+      base.causes.erase(base.causes.begin() + static_cast<std::ptrdiff_t>(c));
+      bases.push_back(std::move(base));
+    }
+  }
+  parallel_tasks(bases.size(), [&](std::size_t i) { bases[i] = problem.fitted(bases[i]); });
+  return bases;
+}
+
+// Effects of the causes of fits, each once.
+std::vector<const Effect*> effects_of(const std::vector<ModesFit>& fits) {
+  std::vector<const Effect*> all;
+  for (const auto& fit : fits) {
+    for (const auto& cause : fit.causes) {
+      if (std::ranges::find(all, cause.effect) == all.end()) all.push_back(cause.effect);
+    }
+  }
+  return all;
+}
+
+// All fits of one cause more than each base has. The last cause of each is significant; the others
+// were when they were found, and what a further cause leaves of them is told by the evidence
+// without them.
+std::vector<ModesFit> with_one_more(const ModesProblem& problem, const std::vector<ModesFit>& bases,
+                                    const std::vector<const Effect*>& catalogue,
+                                    ModesFound& found) {
+  std::vector<ModesFit> next;
+  for (const auto& base : bases) {
+    double effects = 0.0;
+    auto fits = fitted_with(problem, base, candidates(problem, base, catalogue, effects));
+    if (base.causes.empty()) {
+      found.effects = effects;
+      found.nothing = paired_as(problem, found.nothing, fits);
+    }
+    for (auto& fit : fits) {
+      const std::size_t last = fit.causes.size() - 1;
+      if (!is_significant(problem, fit, last, SizeDeviation::in_place)) continue;
+      fit.has_clear_sizes = have_clear_sizes(problem, fit);
+      next.push_back(std::move(fit));
+    }
+  }
+  sort(next);
+  return next;
+}
+
 }  // namespace
 
 ModesFound searched(const ModesProblem& problem, const std::vector<const Effect*>& catalogue,
@@ -258,19 +274,13 @@ ModesFound searched(const ModesProblem& problem, const std::vector<const Effect*
   std::vector<ModesFit> beam{found.nothing};
   for (int level = 0; level < most_causes; ++level) {
     tell(progress, level == 0 ? "one cause" : level == 1 ? "two causes" : "three causes");
-    std::vector<ModesFit> next;
-    for (const auto& base : beam) {
-      double effects = 0.0;
-      const auto starts = candidates(problem, base, catalogue, effects);
-      if (level == 0) found.effects = effects;
-      auto fits = fitted_with(problem, base, starts);
-      if (level == 0) found.nothing = paired_as(problem, found.nothing, fits);
-      // The others were significant when they were found. What a further cause leaves of them is
-      // told by the evidence without them.
-      std::erase_if(fits, [&](const ModesFit& fit) { return !is_significant(problem, fit); });
-      std::ranges::move(fits, std::back_inserter(next));
-    }
+    auto next = with_one_more(problem, beam, catalogue, found);
     if (next.empty()) break;
+    if (level > 0) {
+      auto revised =
+          with_one_more(problem, without_earlier(problem, next), effects_of(next), found);
+      std::ranges::move(revised, std::back_inserter(next));
+    }
     sort(next);
     // A further cause that brings less is not named, but from Constants::rival_evidence on it is
     // part of a rival.

@@ -13,6 +13,7 @@
 #include "diagnosis/modes/calibration/calibration.h"
 #include "diagnosis/modes/partner.h"
 #include "diagnosis/modes/proposals/next_measurement.h"
+#include "diagnosis/modes/significance.h"
 #include "diagnosis/modes/weighed.h"
 #include "diagnosis/verdict/cause_of.h"
 
@@ -62,6 +63,10 @@ Explanation explanation_of(const ModesProblem& problem, const ModesFound& found,
     first += count;
     cause.probability =
         (1.0 - explanation.another_body) * probability_of(problem.structure(), all, fit.causes[c]);
+    // Something that no catalogue has may stand beside the others as well.
+    if (fit.causes.size() > 1 && !is_significant(problem, fit, c, SizeDeviation::whole)) {
+      cause.probability = std::min(cause.probability, kConstants.beside_unnamed);
+    }
     cause.log_evidence_gain =
         fit.log_evidence - evidence_without(problem.structure(), found, fit, c);
     cause.share = explanation.log_evidence > 0.0

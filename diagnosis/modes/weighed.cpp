@@ -171,11 +171,12 @@ double probability_of(const Structure& structure, const Weighed& all, const Supp
 
 bool is_supported(const ModesFound& found, const ModesFit& fit, double least_evidence) {
   if (fit.causes.size() < 2) return true;
+  if (!fit.has_clear_sizes) return false;
   double fewer = found.nothing.log_evidence;
   for (const auto& other : found.fits) {
     if (other.causes.size() < fit.causes.size()) fewer = std::max(fewer, other.log_evidence);
   }
-  return fit.log_evidence >= fewer + std::max(least_evidence, kConstants.sure_evidence);
+  return fit.log_evidence >= fewer + least_evidence;
 }
 
 void put_supported_first(const Structure& structure, const ModesFound& found, double least_evidence,

@@ -32,8 +32,8 @@ struct Weighed {
 [[nodiscard]] double probability_of(const Structure& structure, const Weighed& all,
                                     const Supposed& cause);
 
-/// True if each cause may be named: several bring Constants::sure_evidence, and at least
-/// `least_evidence`, more than any explanation of fewer.
+/// True if each cause may be named: several have clear sizes, and bring `least_evidence` [ln] more
+/// than any explanation of fewer.
 [[nodiscard]] bool is_supported(const ModesFound& found, const ModesFit& fit,
                                 double least_evidence);
 

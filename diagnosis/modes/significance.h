@@ -1,0 +1,28 @@
+// Whether a cause that explains modal data differs from what a sound structure has.
+#pragma once
+
+#include <cstddef>
+
+#include "diagnosis/modes/modes_fit.h"
+
+namespace chladni::diagnosis {
+
+/// The deviation that a size is compared with. A mass on a node of a mode may be known by its
+/// effect and not by its size: what it changes is certain, and so is that it is there.
+enum class SizeDeviation {
+  in_place,  ///< where place, extent and other forms of the cause are as they are
+  whole,     ///< whatever they are; of a size that may have either sign
+};
+
+/// True if a size of cause `which` differs from that of a sound structure by more than
+/// Constants::significant deviations, and by more than such structures differ. The size of a cause
+/// without a strength is its frequency; a cause without both is there or not.
+/// @param fit  with its covariance
+[[nodiscard]] bool is_significant(const ModesProblem& problem, const ModesFit& fit,
+                                  std::size_t which, SizeDeviation by);
+
+/// True if all causes of a fit of several are significant whatever their places are. What explains
+/// little beside another cause, and may as well have another sign, is not named beside it.
+[[nodiscard]] bool have_clear_sizes(const ModesProblem& problem, const ModesFit& fit);
+
+}  // namespace chladni::diagnosis
