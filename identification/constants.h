@@ -106,6 +106,12 @@ struct Constants {
   static constexpr double delay_high = 2.5;
   /// Intervals of the scan [1] (chosen, 17ad960).
   static constexpr int delay_intervals = 75;
+  /// Longest delay that is looked for in the phases alone [periods of the highest line] (chosen).
+  static constexpr double delay_reach = 500.0;
+  /// Difference of the delay in the phases from that of the scan, above which the poles are also
+  /// sought without it [periods of the highest line] (chosen: 2.5 steps of
+  /// the scan).
+  static constexpr double delay_differs = 0.1;
 
   // The fit of modes.
   /// Iterations of a fit whose poles are still to be chosen, or whose data are still to be
@@ -149,6 +155,9 @@ struct Constants {
   /// Alternations between outputs and inputs when combinations of channels are resolved [rounds]
   /// (chosen, ec2bd87).
   static constexpr int expansion_rounds = 3;
+  /// Largest error of the last half of the iterates of a matrix fraction over the least, above
+  /// which the iteration is said not to settle [1] (chosen).
+  static constexpr double unsettled = 10.0;
   /// Most coefficients of the denominator of a matrix fraction [coefficients] (chosen, 46dbdd8).
   static constexpr Eigen::Index most_denominator = 4000;
 

@@ -17,6 +17,14 @@ namespace chladni::identification {
 [[nodiscard]] Eigen::VectorXd scanned_delays(const FitData& data, const Eigen::VectorXcd& poles,
                                              bool rigid, DelayOf of);
 
+/// pq [s]: a first value without poles: the delay under which the phases of the responses of one
+/// output or one input (or all) are nearest to 0 and 180°, which are those of real modes away from
+/// their resonances. 0 where nothing is measured. The search begins at −0.5 periods of the highest
+/// line, and ends where evenly spaced lines cannot tell a longer delay from a shorter one, 1/(2 df)
+/// further for their mean distance df, but 500 periods further at most.
+/// Cost: 25 K operations for each period and delay.
+[[nodiscard]] Eigen::VectorXd phase_delays(const FitData& data, DelayOf of);
+
 /// The data without the delay: G e^{+sτ}. The second function takes one delay for
 /// each response (pq).
 [[nodiscard]] FitData undelayed(const FitData& data, double delay_s);

@@ -114,6 +114,9 @@ struct GainMatch {
   Eigen::MatrixXd input_shapes;     ///< m×q [kg^-1/2], all actuators, in the scale of `shapes`
   Eigen::MatrixXd input_deviation;  ///< m×q
   Eigen::MatrixXd residual;  ///< p×q: of the fit, in the signs and gains of the shapes; or empty
+  /// p×q: false where the response was not measured; the residual there has no meaning. Where none
+  /// was fitted it is known to be 0. Empty: all are known.
+  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> residual_known;
   /// Imaginary parts of complex shapes at the rows and at the actuators, n_z×m and m×q; empty for
   /// real shapes. The phase between both sides is the one at which the pairs agree.
   Eigen::MatrixXd imaginary, imaginary_deviation, input_imaginary;

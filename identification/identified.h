@@ -54,8 +54,9 @@ struct Identified {
 [[nodiscard]] Identified identified(const FitData& data, const IdentificationOptions& options = {});
 
 /// pq [s]: the delay of each response before any fit. It is the delay at which real residues at the
-/// poles of a vector fit fit best. One output, one input or all responses share one delay, as
-/// options.fit.delay_of says. Zeros where options.fit.delay is false.
+/// poles of a vector fit fit best. Where the phases alone ask for another (phase_delays), poles are
+/// also sought without that one, and the better result counts. One output, one input or all
+/// responses share one delay, as options.fit.delay_of says. Zeros where options.fit.delay is false.
 /// @throws as vector_fit
 [[nodiscard]] Eigen::VectorXd delays_at_start(const FitData& data,
                                               const IdentificationOptions& options);
@@ -66,9 +67,10 @@ struct Identified {
 [[nodiscard]] ModalFit refitted(const FitData& data, const ModalFit& fit,
                                 const FitOptions& options = {});
 
-/// Fits the delay together with the modes of a fit with another delay taken out. The result is kept
-/// if it lowers the cost by more than five deviations, where the model's own error counts in the
-/// noise level. Else the delay stays and only takes the deviation of the free fit.
+/// Fits the modes again, and a delay with them, to the same data. Their delay was taken out by a
+/// first estimate, and `fit` has none. The result replaces `fit` if it lowers the cost by more than
+/// five deviations, where the model's own error counts in the noise level. Else `fit` stays and
+/// only takes the deviation of the delay.
 /// @param options  with `delay`
 /// @throws as modal_fit
 void free_delay(const FitData& data, const FitOptions& options, ModalFit& fit);

@@ -32,6 +32,10 @@ struct MatrixFraction {
   std::vector<Eigen::MatrixXd> numerator;    ///< degree + 1, each p×q
   double cost = 0.0;  ///< Σ |w (G − D⁻¹N)|²: the output error, not the equation error
   std::vector<double> costs;  ///< after each iteration, both algorithms
+  /// Largest output error of the last half of Sanathanan and Koerner's iterates over the least of
+  /// all, or over what noise leaves if that is more. Far above 1 the iteration does not settle: the
+  /// last bits of the sums may decide which iterate is the best, and all that follows from it.
+  double unrest = 1.0;
 };
 
 struct MatrixFractionOptions {
@@ -44,11 +48,12 @@ struct MatrixFractionOptions {
 
 /// Sanathanan and Koerner (1963): the D of the last iteration divides the equation error. The
 /// iterate with the lowest output error is kept; it may not be the last. Then Levenberg-Marquardt
-/// lowers the output error. The equations take values that were not measured from a vector fit; the
-/// output error does without them. Cost: per iteration 2 K p q (p² d + p n)².
+/// lowers the output error. The equations take values that were not measured from vector fits of
+/// rising order; the output error does without them. Cost: per iteration 2 K p q (p² d + p n)².
 /// @throws InvalidInput      fewer measured numbers than coefficients, more than 4000 coefficients
 ///                           of D, degree < 1
 /// @throws NumericalFailure  no iterate has a finite error
+/// @throws as vector_fit, where something was not measured
 [[nodiscard]] MatrixFraction matrix_fraction(const FitData& data,
                                              const MatrixFractionOptions& options);
 
@@ -81,7 +86,7 @@ struct ThesisOptions {
 [[nodiscard]] Start thesis_start(const FitData& data, const ThesisOptions& options);
 
 /// Step 6: modal_fit from that start with `modal_iterations` iterations. A mode that the fraction
-/// did not find stays missing; `notes` says so.
+/// did not find stays missing; `notes` says so, and where the fraction may turn on the last bits.
 [[nodiscard]] ModalFit thesis_fit(const FitData& data, const ThesisOptions& options);
 
 }  // namespace chladni::identification

@@ -17,8 +17,8 @@ namespace chladni::identification {
 /// Rows of the match whose channels were measured: the deviation in some mode above 0 Hz is known.
 [[nodiscard]] std::vector<Eigen::Index> measured_rows(const ModalFit& fit, const GainMatch& match);
 
-/// Modes of the fit that have a scale, known at all of those rows, and are not rigid-body modes;
-/// others take no part in what is predicted between the channels.
+/// Modes of the fit that have a scale of known deviation, known at all of those rows, and are not
+/// rigid-body modes; others take no part in what is predicted between the channels.
 [[nodiscard]] std::vector<Eigen::Index> modes_with_scale(const ModalFit& fit,
                                                          const GainMatch& match);
 
@@ -32,6 +32,7 @@ namespace chladni::identification {
 /// The same shapes with all actuator rows changed by one standard deviation of the scale between
 /// them and the sensor rows; none if no scale is uncertain, or the shapes do not say their sides.
 /// The ratio of both is proportional to the square of the scale.
+/// @throws InvalidInput  the deviation of a scale is not known
 [[nodiscard]] std::optional<priors::MeasuredShapes> with_scale_off(
     const GainMatch& match, const std::vector<Eigen::Index>& modes, priors::MeasuredShapes shapes);
 
@@ -43,8 +44,7 @@ struct FieldSimulation {
 };
 
 /// Fitted residual over that of the simulation's modes above the band, where responses were
-/// measured: a residual of 0 is that of a response that was not. 0 if these do not explain three
-/// tenths of it.
+/// measured (GainMatch::residual_known). 0 if these do not explain three tenths of it.
 [[nodiscard]] double residual_factor(const GainMatch& match, const FieldSimulation& simulation);
 
 /// Standard deviation of the gain of a sensor that is in no pair, relative to that of the sensors

@@ -1,5 +1,7 @@
 #include "identification/response_field.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -67,7 +69,7 @@ priors::BothSides both_sides(const ChannelGains& gains, const std::vector<Eigen:
     const auto& mode = match.modes[static_cast<std::size_t>(modes[k])];
     double deviation = mode.alpha_std / mode.alpha;
     const bool by_rows = mode.by == MatchedBy::pairs && (apart || contradicted(mode));
-    if (by_rows || !std::isfinite(deviation)) deviation = std::max(deviation, kOpenScale);
+    if (by_rows) deviation = std::max(deviation, kOpenScale);
     sides.log_deviation(static_cast<Eigen::Index>(k)) = deviation;
   }
   return sides;
@@ -88,23 +90,35 @@ Eigen::MatrixXd flexibility_above(const FieldSimulation& simulation,
   return sum;
 }
 
-// The simulation's residual at the sensors; 0, as the fitted one, where a response was not
+// p×q: whether the fit tells the residual.
+Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> is_residual_known(const GainMatch& match) {
+  auto result = match.residual_known;
+  if (result.size() == 0) result.setConstant(match.residual.rows(), match.residual.cols(), true);
+  return result;
+}
+
+// The simulation's residual at the sensors, and the fitted one: 0 where a response was not
 // measured.
-Eigen::MatrixXd measured_flexibility(const GainMatch& match, const FieldSimulation& simulation) {
-  return (match.residual.array() != 0.0)
-      .select(flexibility_above(simulation, simulation.channels.outputs), 0.0);
+struct Residuals {
+  Eigen::MatrixXd simulated, fitted;  // p×q
+};
+
+Residuals measured_residuals(const GainMatch& match, const FieldSimulation& simulation) {
+  const auto measured = is_residual_known(match);
+  return {measured.select(flexibility_above(simulation, simulation.channels.outputs), 0.0),
+          measured.select(match.residual, 0.0)};
 }
 
 // Root mean square over the sensors, per actuator, of what the simulation's modes above the band
 // leave of the fitted residual. Without a measured response it is that of all.
 Eigen::RowVectorXd unexplained_residual(const GainMatch& match, const FieldSimulation& simulation) {
-  const Eigen::MatrixXd left =
-      match.residual - residual_factor(match, simulation) * measured_flexibility(match, simulation);
-  const Eigen::ArrayXXd told = (match.residual.array() != 0.0).cast<double>();
+  const auto both = measured_residuals(match, simulation);
+  const Eigen::MatrixXd left = both.fitted - residual_factor(match, simulation) * both.simulated;
+  const Eigen::MatrixXd told = is_residual_known(match).cast<double>();
   const double all = left.norm() / std::sqrt(std::max(1.0, told.sum()));
-  const Eigen::RowVectorXd count = told.colwise().sum();
-  return (count.array() > 0.0)
-      .select(left.colwise().norm().cwiseQuotient(count.cwiseMax(1.0).cwiseSqrt()), all);
+  const Eigen::ArrayXXd count = told.colwise().sum();
+  return (count > 0.0)
+      .select(left.colwise().norm().cwiseQuotient(count.max(1.0).sqrt().matrix()), all);
 }
 
 // Root mean square of each mode's shape at its channels.
@@ -181,7 +195,8 @@ std::vector<Eigen::Index> modes_with_scale(const ModalFit& fit, const GainMatch&
   const auto rows = measured_rows(fit, match);
   std::vector<Eigen::Index> modes;
   for (auto m = fit.model.rigid_count; m < fit.model.mode_count() && !rows.empty(); ++m) {
-    const bool is_scaled = match.modes[static_cast<std::size_t>(m)].by != MatchedBy::nothing;
+    const auto& mode = match.modes[static_cast<std::size_t>(m)];
+    const bool is_scaled = mode.by != MatchedBy::nothing && std::isfinite(mode.alpha_std);
     if (is_scaled && match.deviation.col(m)(rows).allFinite()) modes.push_back(m);
   }
   return modes;
@@ -207,7 +222,9 @@ std::optional<priors::MeasuredShapes> with_scale_off(const GainMatch& match,
   for (std::size_t k = 0; k < modes.size(); ++k) {
     const auto& mode = match.modes[static_cast<std::size_t>(modes[k])];
     const double relative = 2.0 * mode.alpha_std / mode.alpha;
-    if (std::isfinite(relative)) factor(static_cast<Eigen::Index>(k)) += relative;
+    require(std::isfinite(relative),
+            "the scale of mode " + fmt::to_string(modes[k] + 1) + ": its deviation is not known");
+    factor(static_cast<Eigen::Index>(k)) += relative;
   }
   if (factor.maxCoeff() < 1.0 + kLeast || !shapes.sides) return std::nullopt;
   const auto& actuator = shapes.sides->actuator;
@@ -240,11 +257,10 @@ double gain_deviation(const ChannelGains& gains) {
 }
 
 double residual_factor(const GainMatch& match, const FieldSimulation& simulation) {
-  const auto& fitted = match.residual;
-  const auto at_sensors = measured_flexibility(match, simulation);
-  const double square = at_sensors.squaredNorm();
-  const double factor = square > 0.0 ? at_sensors.cwiseProduct(fitted).sum() / square : 0.0;
-  const double left = (fitted - factor * at_sensors).squaredNorm();
+  const auto [simulated, fitted] = measured_residuals(match, simulation);
+  const double square = simulated.squaredNorm();
+  const double factor = square > 0.0 ? simulated.cwiseProduct(fitted).sum() / square : 0.0;
+  const double left = (fitted - factor * simulated).squaredNorm();
   const bool explains = factor > 0.0 && left < (1.0 - kExplained) * fitted.squaredNorm();
   return explains ? factor : 0.0;
 }

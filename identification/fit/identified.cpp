@@ -150,6 +150,24 @@ Identified from_all_responses(const FitData& measured, const IdentificationOptio
   return result;
 }
 
+// Delays, and what real residues at the poles that were found beside them leave.
+struct ScannedDelays {
+  Eigen::VectorXd delay_s;  // pq
+  double cost = 0.0;
+};
+
+// Scans about first values. A long delay bends phases so much that its poles are not the data's:
+// they are sought without the first values.
+ScannedDelays scanned_beside(const FitData& data, const Eigen::VectorXd& first,
+                             const IdentificationOptions& options) {
+  const auto turned = undelayed(data, first);
+  const auto found = start_poles(turned, options);
+  const auto kept = worthwhile(turned, found.problem, found.pole, options.modes);
+  const bool rigid = options.rigid_count != 0;
+  const Eigen::VectorXd delay = first + scanned_delays(turned, kept, rigid, options.fit.delay_of);
+  return {delay, ResidueProblem(undelayed(data, delay), kept, rigid).residues().cost};
+}
+
 // Fits again with modes at 0 Hz where springs hold the body and a fit without is far from the
 // noise. Poles far below the lines are as good for a vector fit, but their residues cannot be told
 // apart.
@@ -188,10 +206,14 @@ Identified from_compressed(const Compressed& small, const FitData& measured,
 }  // namespace
 
 Eigen::VectorXd delays_at_start(const FitData& data, const IdentificationOptions& options) {
-  if (!options.fit.delay) return Eigen::VectorXd::Zero(data.response_count());
-  const auto found = start_poles(data, options);
-  const auto kept = worthwhile(data, found.problem, found.pole, options.modes);
-  return scanned_delays(data, kept, options.rigid_count != 0, options.fit.delay_of);
+  const auto none = Eigen::VectorXd::Zero(data.response_count());
+  if (!options.fit.delay) return none;
+  const auto near = scanned_beside(data, none, options);
+  const auto phases = phase_delays(data, options.fit.delay_of);
+  const double differs = Constants::delay_differs / data.frequency_hz(data.line_count() - 1);
+  if ((phases - near.delay_s).cwiseAbs().maxCoeff() < differs) return near.delay_s;
+  const auto far = scanned_beside(data, phases, options);
+  return far.cost < Constants::hardly_less * near.cost ? far.delay_s : near.delay_s;
 }
 
 Identified identified(const FitData& measured, const IdentificationOptions& options) {
@@ -217,6 +239,9 @@ void free_delay(const FitData& data, const FitOptions& options, ModalFit& fit) {
   auto free = modal_fit(data, start_of(fit), options);
   if (fit.cost - free.cost >
       0.5 * Constants::no_chance * Constants::no_chance * noise_level(fit, data)) {
+    for (const auto& note : fit.notes) {  // of how the start was found
+      if (std::ranges::find(free.notes, note) == free.notes.end()) free.notes.push_back(note);
+    }
     fit = std::move(free);
   } else {
     fit.delay_std_s = free.delay_std_s;

@@ -291,6 +291,17 @@ Descent with_single_modes(const Descent& in_blocks, const Target& target, const 
   return result.misfit.cost <= allowed ? result : in_blocks;
 }
 
+// Notes that nothing connects the shapes of some channels with those of others: no response between
+// them tells whether a mode of the one is a mode of the other.
+void note_parts(const MeasuredResponses& measured, ModalFit& fit) {
+  const auto parts = connected_channels(measured).size();
+  if (parts < 2) return;
+  fit.notes.push_back(
+      "the channels are " + fmt::to_string(parts) +
+      " parts without a response between them: a mode that several parts see is found once in "
+      "each; measure one response between the parts, or identify them one by one");
+}
+
 }  // namespace
 
 FitOptions first_fit_options(FitOptions options) {
@@ -351,44 +362,9 @@ ModalFit modal_fit(const FitData& data, const Start& start, const FitOptions& op
   }
   best = options.damping == Damping::general ? with_complex_modes(best, aim, fitted, how)
                                              : with_single_modes(best, aim, fitted, how);
-  return with_uncertainty(best, aim, fitted, data, options.damping);
-}
-
-Eigen::VectorXd response_delays(const ModalFit& fit) {
-  const auto p = fit.model.output_count();
-  Eigen::VectorXd all = Eigen::VectorXd::Constant(p * fit.model.input_count(), fit.delay_s);
-  if (fit.channel_delay_s.size() == 0) return all;
-  for (Eigen::Index e = 0; e < all.size(); ++e) {
-    all(e) += fit.channel_delay_s(fit.delay_of == DelayOf::outputs ? e % p : e / p);
-  }
-  return all;
-}
-
-Eigen::MatrixXcd responses(const ModalFit& fit, const Eigen::VectorXd& frequency_hz) {
-  const auto& model = fit.model;
-  const auto p = model.output_count();
-  const auto q = model.input_count();
-  Eigen::MatrixXcd result(frequency_hz.size(), p * q);
-  if (fit.complex) {
-    result = responses(model, *fit.complex, frequency_hz);
-  } else {
-    const auto frf = modal::frf(model, frequency_hz);
-    for (Eigen::Index k = 0; k < frequency_hz.size(); ++k) {
-      const auto& line = frf.value[static_cast<std::size_t>(k)];
-      result.row(k) = Eigen::Map<const Eigen::RowVectorXcd>(line.data(), p * q);
-    }
-  }
-  for (Eigen::Index k = 0; k < frequency_hz.size(); ++k) {
-    result.row(k) *= std::polar(1.0, -2.0 * std::numbers::pi * frequency_hz(k) * fit.delay_s);
-  }
-  if (fit.channel_delay_s.size() == 0) return result;
-  const Eigen::VectorXd own = response_delays(fit).array() - fit.delay_s;
-  for (Eigen::Index e = 0; e < result.cols(); ++e) {
-    for (Eigen::Index k = 0; k < frequency_hz.size(); ++k) {
-      result(k, e) *= std::polar(1.0, -2.0 * std::numbers::pi * frequency_hz(k) * own(e));
-    }
-  }
-  return result;
+  auto fit = with_uncertainty(best, aim, fitted, data, options.damping);
+  note_parts(measured_responses(data.weight, data.outputs), fit);
+  return fit;
 }
 
 }  // namespace chladni::identification

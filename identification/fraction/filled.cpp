@@ -30,11 +30,12 @@ Eigen::MatrixXcd values_of(const Eigen::VectorXcd& poles, const Residues& residu
 
 }  // namespace
 
-Eigen::MatrixXcd filled(const FitData& data) {
+Eigen::MatrixXcd filled(const FitData& data, const Progress& progress) {
   const auto has_value = (data.weight.array() > 0.0).eval();
   if (has_value.all()) return data.value;
   IdentificationOptions options;
   options.rigid_count = -1;
+  options.fit.progress = progress;
   const auto found = start_poles(data, options);
   const auto poles = worthwhile(data, found.problem, found.pole, 0);
   auto residues = ResidueProblem(data, poles, true).residues();

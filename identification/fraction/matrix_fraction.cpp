@@ -100,6 +100,17 @@ void normalise(std::vector<Eigen::MatrixXcd>& divided) {
   for (auto& one : divided) one *= factor;
 }
 
+// MatrixFraction::unrest of the errors of all iterates.
+double unrest_of(const std::vector<double>& costs, double least, const FitData& data) {
+  constexpr double kRounding = 1e-12;  // of the squares: that is no error
+  const double total =
+      output_error(data, Eigen::MatrixXcd::Zero(data.value.rows(), data.value.cols()));
+  const bool known = data.noise_known && data.weights_are_deviations;
+  const double noise = known ? expected_cost(data, 0).mean : 0.0;
+  const auto half = costs.begin() + std::ssize(costs) / 2;
+  return *std::max_element(half, costs.end()) / std::max({least, noise, kRounding * total});
+}
+
 // Returns the iterate of lowest output error; its `costs` are those of all iterates.
 MatrixFraction by_sanathanan_koerner(const FitData& data, const MatrixFractionOptions& options) {
   MatrixFraction now;
@@ -111,7 +122,7 @@ MatrixFraction by_sanathanan_koerner(const FitData& data, const MatrixFractionOp
   best.cost = std::numeric_limits<double>::infinity();
   std::vector<double> costs;
   // An equation holds all outputs of one input: a zero would count as a response.
-  const Eigen::MatrixXcd known = filled(data);
+  const Eigen::MatrixXcd known = filled(data, options.progress);
   for (int iteration = 0; iteration < options.sanathanan_koerner; ++iteration) {
     tell(options.progress, "Sanathanan-Koerner",
          static_cast<double>(iteration) / options.sanathanan_koerner);
@@ -132,6 +143,7 @@ MatrixFraction by_sanathanan_koerner(const FitData& data, const MatrixFractionOp
     divided = std::move(lines.inverse);
     normalise(divided);
   }
+  best.unrest = costs.empty() ? 1.0 : unrest_of(costs, best.cost, data);
   best.costs = std::move(costs);
   return best;
 }
@@ -289,7 +301,14 @@ Eigen::MatrixXcd responses(const MatrixFraction& fraction, const Eigen::VectorXd
   return on_lines(fraction, in_units(frequency_hz, fraction.scale)).value;
 }
 
-Start thesis_start(const FitData& data, const ThesisOptions& options) {
+namespace {
+
+struct FromFraction {
+  Start start;
+  double unrest = 1.0;
+};
+
+FromFraction started(const FitData& data, const ThesisOptions& options) {
   require(options.modes + options.rigid_count > 0 && options.modes >= 0 && options.rigid_count >= 0,
           "thesis fit: " + fmt::to_string(options.modes) + " modes and " +
               fmt::to_string(options.rigid_count) + " rigid-body modes; the number must be given");
@@ -305,20 +324,27 @@ Start thesis_start(const FitData& data, const ThesisOptions& options) {
   if (found.size() == 0 && options.modes > 0) {
     throw NumericalFailure("thesis fit: no pole of the matrix fraction oscillates");
   }
-  Start start;
+  FromFraction result{{}, fraction.unrest};
+  auto& start = result.start;
   start.rigid_count = options.rigid_count;
-  if (options.modes == 0) return start;
+  if (options.modes == 0) return result;
   const ResidueProblem problem(data, found, options.rigid_count > 0);
   const auto chosen = worthiest(problem.residues().significance, options.modes);
   start.pole = found(chosen);
   for (const auto& residue : problem.residues(chosen).of_pole) {
     start.residue.push_back(rank_one(residue, measured));
   }
-  return start;
+  return result;
+}
+
+}  // namespace
+
+Start thesis_start(const FitData& data, const ThesisOptions& options) {
+  return started(data, options).start;
 }
 
 ModalFit thesis_fit(const FitData& data, const ThesisOptions& options) {
-  const auto start = thesis_start(data, options);
+  const auto [start, unrest] = started(data, options);
   FitOptions how;
   how.residual = options.residual;
   how.iterations = options.modal_iterations;
@@ -327,6 +353,14 @@ ModalFit thesis_fit(const FitData& data, const ThesisOptions& options) {
   if (start.pole.size() < options.modes) {
     fit.notes.push_back("the matrix fraction has " + fmt::to_string(start.pole.size()) +
                         " resonances where " + fmt::to_string(options.modes) + " were asked for");
+  }
+  if (unrest > Constants::unsettled) {
+    fit.notes.push_back(fmt::format(
+        "the iteration of Sanathanan and Koerner does not settle: the last half of its errors "
+        "reaches {:.2g} times the least. The last bits of the sums, which differ between machines, "
+        "may decide from which one the fit goes on; compare another fraction_degree or number of "
+        "iterations, or take method = \"likelihood\"",
+        unrest));
   }
   return fit;
 }

@@ -372,6 +372,7 @@ GainMatch gain_match(const ModalFit& fit, const std::vector<modal::MeasuredChann
   warn_of_disagreement(state);
   mark_unknown(fit, state);
   state.match.residual = sign_of_inputs(state) * state.fit.model.residual;
+  state.match.residual_known = fit.residual_std.array().isFinite();
   gather_rows(state);
   add_imaginary_rows(state);
   return std::move(state.match);

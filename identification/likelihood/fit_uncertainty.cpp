@@ -13,7 +13,6 @@
 #include "identification/constants.h"
 #include "identification/likelihood/covariance.h"
 #include "identification/likelihood/general_mode.h"
-#include "identification/poles/completion.h"
 
 namespace chladni::identification {
 namespace {
@@ -276,18 +275,6 @@ void note_undamped(const BlockModel& model, ModalFit& fit) {
   }
 }
 
-// Notes that nothing connects the shapes of some channels with those of others: no response between
-// them tells whether a mode of the one is a mode of the other.
-void note_parts(const Target& target, ModalFit& fit) {
-  const auto parts = connected_channels(measured_responses(target.squared, target.outputs)).size();
-  if (parts < 2) return;
-  TextWriter text;
-  text << "the channels are " << parts
-       << " parts without a response between them: a mode that several parts see is found once in "
-          "each; measure one response between the parts, or identify them one by one";
-  fit.notes.push_back(text.str());
-}
-
 // The delays with their deviations. The mean is over the measured channels.
 void fill_delays(const BlockModel& model, const Fitted& fitted, const Covariance& covariance,
                  ModalFit& fit) {
@@ -379,7 +366,6 @@ ModalFit with_uncertainty(const Descent& found, const Target& target, const Fitt
   resize(fit, model, data.outputs, data.inputs);
   Filler(model, covariance, fit).fill();
   note_undamped(model, fit);
-  note_parts(target, fit);
   const Eigen::VectorXd sums = target.squared.colwise().sum().transpose();
   const Eigen::VectorXd residual = (2.0 * sums.array().max(1e-300) / variance).sqrt().inverse();
   fit.residual_std = Eigen::Map<const Eigen::MatrixXd>(residual.data(), data.outputs, data.inputs);

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <vector>
 
 #include "base/finite.h"
 
@@ -41,51 +42,100 @@ double squares_of(const Aim<Matrix>& aim, const Product<Matrix>& product) {
          aim.pull * (product.rows.squaredNorm() + product.columns.squaredNorm());
 }
 
-// Normal equations for changes of the rows, then of the columns.
+// Damped normal equations of a step of Gauss and Newton. Each row has a block of its own, so that
+// all rows are eliminated from the equations of the columns.
 template <typename Matrix>
-struct Equations {
-  Matrix matrix, right;
-};
+class Step {
+ public:
+  Step(const Aim<Matrix>& aim, const Product<Matrix>& product, double damping)
+      : aim_(aim),
+        product_(product),
+        conjugate_(product.columns.conjugate()),
+        error_(left_over(aim, product)),
+        diagonal_(aim.pull + damping * mean_diagonal()) {}
 
-template <typename Matrix>
-Equations<Matrix> equations(const Aim<Matrix>& aim, const Product<Matrix>& product) {
-  const auto r = product.columns.rows();
-  const auto p = product.rows.rows();
-  const auto n = r * (p + product.columns.cols());
-  const Matrix error = left_over(aim, product);
-  Equations<Matrix> result{aim.pull * Matrix::Identity(n, n), Matrix::Zero(n, 1)};
-  result.right << product.rows.transpose().reshaped(), product.columns.reshaped();
-  result.right *= -aim.pull;
-  for (Eigen::Index j = 0; j < error.cols(); ++j) {
-    const Matrix by_row = product.columns.col(j).conjugate();
-    for (Eigen::Index i = 0; i < error.rows(); ++i) {
-      if (!aim.measured(i, j)) continue;
-      const Matrix by_column = product.rows.row(i).adjoint();
-      const auto own = r * i;
-      const auto other = r * (p + j);
-      result.matrix.block(own, own, r, r) += by_row * by_row.adjoint();
-      result.matrix.block(other, other, r, r) += by_column * by_column.adjoint();
-      result.matrix.block(own, other, r, r) += by_row * by_column.adjoint();
-      result.matrix.block(other, own, r, r) += by_column * by_row.adjoint();
-      result.right.middleRows(own, r) += error(i, j) * by_row;
-      result.right.middleRows(other, r) += error(i, j) * by_column;
+  // The product after the step.
+  Product<Matrix> taken() const {
+    const auto r = product_.columns.rows();
+    const auto q = product_.columns.cols();
+    Matrix matrix = diagonal_ * Matrix::Identity(r * q, r * q);
+    Matrix right = -aim_.pull * product_.columns.reshaped();
+    std::vector<Row> rows;
+    for (Eigen::Index i = 0; i < product_.rows.rows(); ++i) {
+      rows.push_back(row_of(i));
+      eliminate(rows.back(), matrix, right);
+    }
+    const Matrix change = Matrix(matrix.ldlt().solve(right)).reshaped(r, q);
+    Product<Matrix> next{product_.rows, product_.columns + change};
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const auto& row = rows[i];
+      const Matrix by_columns = (row.own.adjoint() * change(Eigen::all, row.measured)).transpose();
+      next.rows.row(static_cast<Eigen::Index>(i)) +=
+          (row.alone - row.solved * by_columns).transpose();
+    }
+    return next;
+  }
+
+ private:
+  // The equations of row i: A x + B (aᴴ y_j) = right. A is r×r; B has the columns b_j of the
+  // measured entries, a is the row itself, and y_j is the change of column j.
+  struct Row {
+    std::vector<Eigen::Index> measured;  // entries
+    Matrix own;                          // r×1: a
+    Matrix error, columns;               // of the measured entries: n×1, B
+    Matrix alone, solved;                // A⁻¹ right, A⁻¹ B
+  };
+
+  double mean_diagonal() const {
+    const Eigen::ArrayXXd told = aim_.measured.template cast<double>();
+    const double rows =
+        (told.rowwise().sum() * product_.rows.rowwise().squaredNorm().array()).sum();
+    const double columns =
+        (told.colwise().sum() * product_.columns.colwise().squaredNorm().array()).sum();
+    return aim_.pull +
+           (rows + columns) / static_cast<double>(product_.rows.size() + product_.columns.size());
+  }
+
+  Row row_of(Eigen::Index i) const {
+    Row row;
+    for (Eigen::Index j = 0; j < error_.cols(); ++j) {
+      if (aim_.measured(i, j)) row.measured.push_back(j);
+    }
+    row.own = product_.rows.row(i).adjoint();
+    row.error = error_(i, row.measured).transpose();
+    row.columns = conjugate_(Eigen::all, row.measured);
+    Matrix matrix = row.columns * row.columns.adjoint();
+    matrix.diagonal().array() += diagonal_;
+    const Eigen::LDLT<Matrix> factor(matrix);
+    row.alone =
+        factor.solve(row.columns * row.error - aim_.pull * product_.rows.row(i).transpose());
+    row.solved = factor.solve(row.columns);
+    return row;
+  }
+
+  // Adds a row's part to the equations of the columns.
+  void eliminate(const Row& row, Matrix& matrix, Matrix& right) const {
+    const auto r = row.own.rows();
+    const auto n = std::ssize(row.measured);
+    const Matrix square = row.own * row.own.adjoint();
+    const Matrix left = Matrix::Identity(n, n) - row.columns.adjoint() * row.solved;
+    const Matrix rest = row.error - row.columns.adjoint() * row.alone;
+    for (Eigen::Index b = 0; b < n; ++b) {
+      const auto j = r * row.measured[static_cast<std::size_t>(b)];
+      right.middleRows(j, r) += rest(b) * row.own;
+      for (Eigen::Index a = 0; a < n; ++a) {
+        const auto i = r * row.measured[static_cast<std::size_t>(a)];
+        matrix.block(i, j, r, r) += left(a, b) * square;
+      }
     }
   }
-  return result;
-}
 
-// The product after a damped step of Gauss and Newton.
-template <typename Matrix>
-Product<Matrix> stepped(const Product<Matrix>& product, Equations<Matrix> all, double damping) {
-  const auto r = product.columns.rows();
-  const auto p = product.rows.rows();
-  const auto q = product.columns.cols();
-  const double mean = all.matrix.diagonal().real().mean();
-  all.matrix.diagonal().array() += damping * mean;
-  const Matrix step = all.matrix.ldlt().solve(all.right);
-  return {product.rows + step.topRows(r * p).reshaped(r, p).transpose(),
-          product.columns + step.bottomRows(r * q).reshaped(r, q)};
-}
+  const Aim<Matrix>& aim_;
+  const Product<Matrix>& product_;
+  Matrix conjugate_;  // of the columns
+  Matrix error_;
+  double diagonal_;
+};
 
 // Levenberg and Marquardt.
 template <typename Matrix>
@@ -94,7 +144,7 @@ void approach(const Aim<Matrix>& aim, Product<Matrix>& best) {
   double sum = squares_of(aim, best);
   double damping = kFirstDamping;
   for (int step = 0; step < kSteps && damping < kMostDamping && sum > enough; ++step) {
-    const auto next = stepped(best, equations(aim, best), damping);
+    const auto next = Step<Matrix>(aim, best, damping).taken();
     const double after = squares_of(aim, next);
     if (!(after < sum)) {
       damping *= 10.0;
@@ -134,8 +184,13 @@ Matrix completed_of(const Matrix& value, const MeasuredResponses& measured, Eige
   for (const auto& part : connected_channels(measured)) {
     const MeasuredResponses own = measured(part.outputs, part.inputs);
     if (own.all()) continue;
-    result(part.outputs, part.inputs) =
-        completed_part<Matrix>(value(part.outputs, part.inputs), own, rank);
+    const Matrix from = value(part.outputs, part.inputs);
+    if (own.rows() >= own.cols()) {  // the longer side is the one that is eliminated
+      result(part.outputs, part.inputs) = completed_part<Matrix>(from, own, rank);
+    } else {
+      result(part.outputs, part.inputs) =
+          completed_part<Matrix>(from.transpose(), own.transpose(), rank).transpose();
+    }
   }
   return result;
 }

@@ -25,8 +25,8 @@ struct ConnectedChannels {
 /// nearest to the measured entries. A zero there would count as measured, and a residue of rank one
 /// would then have two directions or more. Entries between parts without a common channel stay as
 /// they are, since nothing tells them; so do all entries of a matrix that was measured in full.
-/// Cost: (r (p + q))³ per step of Levenberg and Marquardt, in nine descents of some five to ten
-/// steps; nothing where all was measured.
+/// Cost: p q² r² + (r q)³ for q ≤ p (else with both exchanged) per step of Levenberg and Marquardt,
+/// in nine descents of some five to ten steps; nothing where all was measured.
 /// @param value     p×q
 /// @throws NumericalFailure  something is filled in, and an entry is not finite
 [[nodiscard]] Eigen::MatrixXd completed(const Eigen::MatrixXd& value,

@@ -6,11 +6,73 @@
 #include <vector>
 
 #include "base/search.h"
+#include "base/turn.h"
 #include "identification/constants.h"
 #include "identification/likelihood/normal_equations.h"
 #include "identification/poles/residue_problem.h"
 
 namespace chladni::identification {
+namespace {
+
+// Step of the scans [periods of the highest line].
+constexpr double kScanStep =
+    (Constants::delay_high - Constants::delay_low) / Constants::delay_intervals;
+
+double highest_period(const FitData& data) {
+  return 1.0 / data.frequency_hz(data.line_count() - 1);
+}
+
+// Responses of each delay.
+std::vector<std::vector<Eigen::Index>> responses_of_delays(const FitData& data, DelayOf of) {
+  const Fitted which{.delay = true, .delay_of = of};
+  std::vector<std::vector<Eigen::Index>> all(
+      static_cast<std::size_t>(which.delay_count(data.outputs, data.inputs)));
+  for (Eigen::Index e = 0; e < data.response_count(); ++e) {
+    all[static_cast<std::size_t>(which.delay_index(e, data.outputs))].push_back(e);
+  }
+  return all;
+}
+
+// K: the sum of G² / |G|² of some responses, where they were measured.
+Eigen::ArrayXcd squared_phases(const FitData& data, const std::vector<Eigen::Index>& responses) {
+  Eigen::ArrayXcd sum = Eigen::ArrayXcd::Zero(data.line_count());
+  for (const auto e : responses) {
+    for (Eigen::Index k = 0; k < data.line_count(); ++k) {
+      const double size = std::abs(data.value(k, e));
+      if (data.weight(k, e) > 0.0 && size > 0.0) sum(k) += std::pow(data.value(k, e) / size, 2);
+    }
+  }
+  return sum;
+}
+
+// The delay [s] under which Re Σ G² e^{2jωτ} / |G|² is largest.
+double agreeing_delay(const FitData& data, const Eigen::ArrayXcd& squared) {
+  const double period = highest_period(data);
+  const double spacing = (data.frequency_hz(data.line_count() - 1) - data.frequency_hz(0)) /
+                         static_cast<double>(data.line_count() - 1);
+  const double range = std::min(0.5 / spacing, Constants::delay_reach * period);
+  const double step = kScanStep * period;
+  const Eigen::ArrayXd angle = 2.0 * kTwoPi * data.frequency_hz.array();
+  const auto turns = [&](double delay) {
+    return Eigen::ArrayXcd(
+        angle.unaryExpr([delay](double a) { return std::polar(1.0, a * delay); }));
+  };
+  const Eigen::ArrayXcd further = turns(step);
+  double best = Constants::delay_low * period;
+  Eigen::ArrayXcd turned = squared * turns(best);
+  double most = turned.real().sum();
+  for (Eigen::Index n = 1; static_cast<double>(n) * step < range; ++n) {
+    turned *= further;
+    const double here = turned.real().sum();
+    if (here <= most) continue;
+    most = here;
+    best = Constants::delay_low * period + static_cast<double>(n) * step;
+  }
+  return best;
+}
+
+}  // namespace
+
 FitData undelayed(const FitData& data, double delay_s) {
   FitData result = data;
   const Eigen::VectorXd angle = 2.0 * std::numbers::pi * delay_s * data.frequency_hz;
@@ -32,19 +94,17 @@ FitData undelayed(const FitData& data, const Eigen::VectorXd& delay_s) {
 }
 
 double scanned_delay(const FitData& data, const Eigen::VectorXcd& poles, bool rigid) {
-  const double period = 1.0 / data.frequency_hz(data.line_count() - 1);
+  const double period = highest_period(data);
   const auto cost = [&](double periods) {
     return ResidueProblem(undelayed(data, periods * period), poles, rigid).residues().cost;
   };
   const auto best =
       lowest_of_scan(cost, Constants::delay_low, Constants::delay_high, Constants::delay_intervals);
   // The parabola through the least cost and its neighbours is enough: a fit refines the delay.
-  constexpr double kStep =
-      (Constants::delay_high - Constants::delay_low) / Constants::delay_intervals;
-  const double before = cost(best.at - kStep);
-  const double after = cost(best.at + kStep);
+  const double before = cost(best.at - kScanStep);
+  const double after = cost(best.at + kScanStep);
   const double curvature = before - 2.0 * best.value + after;
-  const double shift = curvature > 0.0 ? 0.5 * kStep * (before - after) / curvature : 0.0;
+  const double shift = curvature > 0.0 ? 0.5 * kScanStep * (before - after) / curvature : 0.0;
   return (best.at + shift) * period;
 }
 
@@ -54,19 +114,23 @@ Eigen::VectorXd scanned_delays(const FitData& data, const Eigen::VectorXcd& pole
   if (of == DelayOf::all) {
     return Eigen::VectorXd::Constant(responses, scanned_delay(data, poles, rigid));
   }
-  const Fitted which{.delay = true, .delay_of = of};
   Eigen::VectorXd result = Eigen::VectorXd::Zero(responses);
-  for (Eigen::Index n = 0; n < which.delay_count(data.outputs, data.inputs); ++n) {
-    std::vector<Eigen::Index> own;
-    for (Eigen::Index e = 0; e < responses; ++e) {
-      if (which.delay_index(e, data.outputs) == n) own.push_back(e);
-    }
+  for (const auto& own : responses_of_delays(data, of)) {
     FitData channel = data;
     channel.outputs = of == DelayOf::outputs ? 1 : data.outputs;
     channel.inputs = of == DelayOf::inputs ? 1 : data.inputs;
     channel.value = data.value(Eigen::all, own);
     channel.weight = data.weight(Eigen::all, own);
     if (channel.measured_count() > 0) result(own).setConstant(scanned_delay(channel, poles, rigid));
+  }
+  return result;
+}
+
+Eigen::VectorXd phase_delays(const FitData& data, DelayOf of) {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(data.response_count());
+  for (const auto& own : responses_of_delays(data, of)) {
+    const auto squared = squared_phases(data, own);
+    if ((squared != 0.0).any()) result(own).setConstant(agreeing_delay(data, squared));
   }
   return result;
 }

@@ -14,7 +14,8 @@ struct StartPoles {
 };
 
 /// Vector fits that start from the visible resonances. The order rises until a higher one
-/// hardly lowers the cost.
+/// hardly lowers the cost. Tells options.fit.progress before each.
+/// @throws as vector_fit
 [[nodiscard]] StartPoles start_poles(const FitData& data, const IdentificationOptions& options);
 
 }  // namespace chladni::identification

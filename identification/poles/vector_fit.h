@@ -18,7 +18,8 @@ struct VectorFitOptions {
 /// Poles [rad/s] with Im > 0 in ascending order; Re < 0. Some are no resonances: their residues
 /// tell which poles matter.
 /// Cost: per iteration 0.6 K·order·pq and some ten times pq·order³ operations.
-/// @throws InvalidInput  fewer measured numbers than unknowns, order < 1
+/// @throws InvalidInput      fewer measured numbers than unknowns, order < 1
+/// @throws NumericalFailure  the responses determine no poles
 [[nodiscard]] Eigen::VectorXcd vector_fit(const FitData& data, const VectorFitOptions& options);
 
 }  // namespace chladni::identification

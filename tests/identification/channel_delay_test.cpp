@@ -115,5 +115,51 @@ TEST(ChannelDelays, OfAChannelThatIsNotMeasuredAreNotKnown) {
   EXPECT_NEAR(fit.delay_s, (kDelay.sum() - kDelay(2)) / 4.0, 4.0 * fit.delay_std_s);
 }
 
+// A long delay bends the phases so much that a vector fit finds other poles. Lines 0.25 Hz apart
+// tell delays up to two seconds, 400 periods of the highest line.
+TEST(ChannelDelays, AreFoundOfManyPeriods) {
+  const double period = 1.0 / 200.0;
+  for (const double noise : {0.01, 0.1}) {
+    for (const double periods : {2.0, 2.8, 3.0, 12.0, 150.0}) {
+      FrfFaults faults;
+      faults.relative_noise = noise;
+      faults.delay_s = periods * period;
+      const auto made = simulators::beam5x3(faults);
+      auto options = each_output();
+      options.fit.delay_of = DelayOf::all;
+      const auto fit = identified(fit_data(made.measured), options).fit;
+      EXPECT_NEAR(fit.delay_s, faults.delay_s, 4.0 * fit.delay_std_s) << noise << " " << periods;
+      EXPECT_EQ(fit.model.mode_count(), 5) << noise << " " << periods;
+      EXPECT_LT(std::abs(excess(fit)), 4.0) << noise << " " << periods;
+    }
+  }
+}
+
+TEST(ChannelDelays, OfManyPeriodsAreEachTheirOwn) {
+  FrfFaults faults;
+  faults.output_delay_s = 10.0 * kDelay;
+  const auto made = simulators::beam5x3(faults);
+  const auto fit = identified(fit_data(made.measured), each_output()).fit;
+  ASSERT_EQ(fit.channel_delay_s.size(), 5);
+  EXPECT_LT(((all_delays(fit) - 10.0 * kDelay).array() / fit.channel_delay_std_s.array())
+                .abs()
+                .maxCoeff(),
+            4.0);
+  EXPECT_EQ(fit.model.mode_count(), 5);
+}
+
+// The phases alone tell a delay to a part of a period; where nothing was measured it is 0.
+TEST(ChannelDelays, AreSeenInThePhasesAlone) {
+  auto made = delayed(4);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (auto& line : made.measured.value) line.row(2).setConstant({nan, nan});
+  const auto data = fit_data(made.measured);
+  const auto found = phase_delays(data, DelayOf::outputs);
+  for (Eigen::Index e = 0; e < data.response_count(); ++e) {
+    const auto i = e % data.outputs;
+    EXPECT_NEAR(found(e), i == 2 ? 0.0 : kDelay(i), 0.1 / 200.0) << e;
+  }
+}
+
 }  // namespace
 }  // namespace chladni::identification

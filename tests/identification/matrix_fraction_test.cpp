@@ -312,5 +312,29 @@ TEST(ThesisStart, SaysHowFarItIs) {
   EXPECT_EQ(steps.front(), "Sanathanan-Koerner");
 }
 
+// An iteration that settles says nothing of last bits, whether noise or rounding is left.
+TEST(MatrixFraction, IsAtRestWhereTheIterationSettles) {
+  for (const auto& faults : {simulators::FrfFaults{}, noiseless()}) {
+    const auto data = data_of(simulators::beam5x3(faults));
+    EXPECT_LT(matrix_fraction(data, {2, 2, 30, 0, {}}).unrest, 2.0);
+    EXPECT_TRUE(thesis_fit(data, {.modes = 5, .levenberg_marquardt = 2}).notes.empty());
+  }
+}
+
+// Vector fits that give values to gaps come before the first iteration: they are told, too.
+TEST(MatrixFraction, SaysThatItSeeksPolesForGaps) {
+  std::vector<std::string> steps;
+  MatrixFractionOptions options{2, 2, 2, 0, {}};
+  options.progress = [&](std::string_view step, double) { steps.emplace_back(step); };
+  const auto gaps = beams_with_gaps();
+  (void)matrix_fraction(fit_data(gaps.front().measured), options);
+  ASSERT_FALSE(steps.empty());
+  EXPECT_EQ(steps.front(), "finding poles");
+  EXPECT_EQ(std::ranges::count(steps, "Sanathanan-Koerner"), 2);
+  steps.clear();
+  (void)matrix_fraction(fit_data(simulators::beam5x3().measured), options);
+  EXPECT_EQ(steps.size(), 2U);
+}
+
 }  // namespace
 }  // namespace chladni::identification

@@ -7,7 +7,9 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <vector>
 
+#include "base/error.h"
 #include "tests/recordings/rigs.h"
 #include "tests/refusal.h"
 
@@ -264,12 +266,51 @@ TEST(ResponseField, ScalesTheResidualByWhatWasMeasured) {
   const Eigen::RowVectorXd there =
       1.3 * places.shapes * flexibility.asDiagonal() * inputs.transpose();
   for (const int gone : {0, 1, 3}) {
-    if (gone > 0) gains.match.residual(1, 0) = 0.0;
-    if (gone > 1) gains.match.residual(0, 0) = gains.match.residual(2, 1) = 0.0;
+    auto& measured = gains.match.residual_known;
+    if (gone > 0) measured.setConstant(3, 2, true);
+    if (gone > 0) measured(1, 0) = false;
+    if (gone > 1) measured(0, 0) = measured(2, 1) = false;
+    // What stands where nothing was measured does not count.
+    gains.match.residual(1, 0) = gone > 0 ? 0.3 : gains.match.residual(1, 0);
     EXPECT_NEAR(residual_factor(gains.match, simulation), 1.3, 1e-12) << gone;
     const auto found = places_of_interest(fit, gains, {}, simulation, places, field);
     EXPECT_LT((found.residual - there).norm(), 1e-12 * there.norm()) << gone;
     EXPECT_LT(found.residual_deviation.norm(), 1e-12 * there.norm()) << gone;
+  }
+}
+
+// A fit knows the residuals of the responses that were measured; where it has none, that it is 0.
+TEST(ResponseField, KnowsWhichResidualsWereMeasured) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  auto responses = responses_of(kPairs);
+  for (auto& value : responses.value) value(1, 0) = value(6, 1) = {nan, nan};
+  for (const bool residual : {true, false}) {
+    IdentificationOptions options;
+    options.fit.residual = residual;
+    const auto fit = identified(fit_data(responses), options).fit;
+    GainMatchOptions pairs;
+    pairs.pairs = collocated_pairs(responses.outputs, responses.inputs, 1e-3);
+    const auto match = gain_match(fit, responses.outputs, responses.inputs, pairs);
+    Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> expected;
+    expected.setConstant(9, 2, true);
+    if (residual) expected(1, 0) = expected(6, 1) = false;
+    EXPECT_TRUE((match.residual_known == expected).all()) << residual;
+    EXPECT_EQ((match.residual.array() != 0.0).any(), residual);
+  }
+}
+
+// A scale of unknown deviation is none that is certain: such a mode is left out.
+TEST(ResponseField, LeavesOutAModeOfUnknownScale) {
+  const auto field = field_of(responses_of(kPairs), kPairs);
+  auto match = field.gains().match;
+  const auto all = modes_with_scale(field.fit(), match);
+  ASSERT_EQ(all.size(), 4U);
+  EXPECT_NO_THROW((void)with_scale_off(match, all, field.shapes()));
+  for (const double unknown :
+       {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    match.modes[2].alpha_std = unknown;
+    EXPECT_EQ(modes_with_scale(field.fit(), match), (std::vector<Eigen::Index>{0, 1, 3}));
+    EXPECT_THROW((void)with_scale_off(match, all, field.shapes()), InvalidInput);
   }
 }
 
