@@ -50,7 +50,7 @@ struct TetMesh {
 /// flat faces where the old ones are, and on the old curved ones where they are not. So order 3 is
 /// the shape of order 2; order 2 of 3 is near it; order 1 has straight edges only. Nodes on edges
 /// and faces are new; all cells of an edge or face share them. Corners keep their order and come
-/// first. Regions and patches are kept. Cost: linear.
+/// first. Regions and patches are kept. A linear shell without cells gets its faces' nodes. Linear.
 /// @throws InvalidInput  order is not 1, 2 or 3, a tetrahedron names a point that is not there, or
 ///                       a boundary face belongs to no tetrahedron
 [[nodiscard]] TetMesh with_order(const TetMesh& mesh, int order);

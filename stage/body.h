@@ -15,8 +15,8 @@ namespace chladni::stage {
 
 /// A body before meshing: cheap to make, and enough to measure it and to find places on it.
 struct Outline {
-  mesh::TetMesh shell;                   ///< its boundary; with linear tetrahedra or those of the
-                                         ///< file if no mesher is needed
+  mesh::TetMesh shell;                   ///< its outer boundary; with linear tetrahedra or those of
+                                         ///< the file if no mesher is needed
   std::optional<mesh::Surface> surface;  ///< checked and repaired, for TetGen
   bool file_has_cells = false;           ///< the tetrahedra are those of a file
   double volume = 0.0;                   ///< [m^3]
@@ -28,9 +28,9 @@ struct Outline {
 /// @throws InvalidInput  the dimensions or the file are not plausible, or the surface is not fit
 [[nodiscard]] Outline outline_of(const study::Study& study, const Progress& progress = {});
 
-/// A disc or sphere with the round faces that `body_of` will give it, to find places on it; laid in
-/// layers even where TetGen will mesh it. Nothing for other bodies: their outline is no flatter
-/// than their mesh. Cost: linear. @throws InvalidInput  the faces bend over cells of the wall
+/// The boundary of a disc or sphere, without cells, with the round faces that `body_of` will give
+/// it, to find places on it. Nothing for other bodies: their outline is no flatter than their mesh.
+/// Cost: linear in the faces.
 [[nodiscard]] std::optional<mesh::TetMesh> rounded_outline(const study::Study& study,
                                                            const Outline& outline);
 

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "io/cells/tet_shape.h"
+#include "mesh/numbering.h"
 
 namespace chladni::io {
 namespace {
@@ -175,6 +176,34 @@ void Tets::turn_right_side_out(Cells& cells, Notes* notes) const {
   add_note(notes, "all " + fmt::to_string(cells.rows()) + " elements were inside out: renumbered");
 }
 
+// Two cells of positive volume that go round a common face in the same sense lie on the same side
+// of it. Such a body, as of parts that were copied or mirrored into one another, counts twice
+// there.
+void Tets::refuse_overlaps(const Cells& cells) const {
+  std::vector<mesh::Key> keys;
+  std::vector<bool> rising;
+  for (const auto cell : cells.rowwise()) {
+    for (const auto& [i, j, k] : mesh::kTetFaces) {
+      const std::int32_t a = cell(i), b = cell(j), c = cell(k);
+      keys.push_back(mesh::face_key(a, b, c));
+      rising.push_back((a < b && b < c) || (b < c && c < a) || (c < a && a < b));
+    }
+  }
+  const auto faces = mesh::shared_numbers(keys, static_cast<std::int32_t>(nodes_.size()));
+  std::vector<Eigen::Index> overlapping;
+  for (std::size_t f = 0; f < keys.size(); ++f) {
+    const auto number = static_cast<std::size_t>(faces.number[f]);
+    const auto first = static_cast<std::size_t>(faces.first[number]);
+    if (first == f || faces.uses[number] != 2 || rising[first] != rising[f]) continue;
+    overlapping.push_back(static_cast<Eigen::Index>(first / 4));
+    overlapping.push_back(static_cast<Eigen::Index>(f / 4));
+  }
+  std::sort(overlapping.begin(), overlapping.end());
+  overlapping.erase(std::unique(overlapping.begin(), overlapping.end()), overlapping.end());
+  require(overlapping.empty(),
+          with_ids("on the same side of a face as another one, so that they overlap", overlapping));
+}
+
 Points Tets::used_points(Cells& cells, Notes* notes) {
   mesh_row_.assign(nodes_.size(), -1);
   for (Eigen::Index i = 0; i < cells.size(); ++i) {
@@ -295,6 +324,7 @@ mesh::TetMesh Tets::mesh(Notes* notes) {
   result.tets = resolved_cells();
   drop_copies(result.tets, notes);
   turn_right_side_out(result.tets, notes);
+  refuse_overlaps(result.tets);
   result.points = used_points(result.tets, notes);
   if (result.order() > 1) look_at_curved_cells(result, notes);
   Names used;

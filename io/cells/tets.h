@@ -77,14 +77,15 @@ class Tets {
   /// the file is "other"; where the file names no patch, `name_patches` names them. The ids are
   /// sorted afterwards; call this once.
   /// @throws InvalidInput  no tetrahedron, an id that is missing or occurs twice, cells that are
-  ///                       flat or inside out (by the file's ids, the first ten), a curved cell
-  ///                       that folds over
+  ///                       flat or inside out (by the file's ids, the first ten) or that lie on the
+  ///                       same side of a common face, a curved cell that folds over
   [[nodiscard]] mesh::TetMesh mesh(Notes* notes);
 
  private:
   [[nodiscard]] Cells resolved_cells() const;
   void drop_copies(Cells& cells, Notes* notes);
   void turn_right_side_out(Cells& cells, Notes* notes) const;
+  void refuse_overlaps(const Cells& cells) const;
   [[nodiscard]] Points used_points(Cells& cells, Notes* notes);
   void look_at_curved_cells(const mesh::TetMesh& mesh, Notes* notes) const;
   [[nodiscard]] std::string with_ids(const std::string& what,

@@ -96,8 +96,10 @@ Eigen::Vector3d middle_of_overlap(const Box& a, const Box& b) {
   return middle;
 }
 
-// A CGAL mesh whose points are the fans of the surface. A fan is the set of triangle corners at one
-// point that are connected across edges with exactly two triangles.
+// A CGAL mesh of the triangles that are resampled. Its points are the fans of the surface. A fan is
+// the set of triangle corners at one point that are connected across edges with exactly two
+// triangles. All other triangles stay out: CGAL computes a normal at each point, at a cost that is
+// cubic in the number of its triangles, and the fewest triangles of a plane meet by thousands.
 struct FanMesh {
   Mesh mesh;
   Mesh::Property_map<Mesh::Face_index, int> patch;
@@ -105,7 +107,14 @@ struct FanMesh {
   Mesh::Property_map<Mesh::Vertex_index, int> origin;  // the surface's point, −1 for new ones
 };
 
-std::vector<std::int32_t> fans_of(const Surface& surface) {
+// Whether triangles of a surface are resampled.
+std::vector<bool> resampled(const Surface& surface, const std::vector<double>& edge_length) {
+  std::vector<bool> is;
+  for (const int p : surface.patch) is.push_back(edge_length[static_cast<std::size_t>(p)] > 0.0);
+  return is;
+}
+
+std::vector<std::int32_t> fans_of(const Surface& surface, const std::vector<bool>& is_resampled) {
   DisjointSets corners(static_cast<std::size_t>(surface.triangles.size()));
   const auto corner = [&](int t, int i) {
     int k = 0;
@@ -115,9 +124,10 @@ std::vector<std::int32_t> fans_of(const Surface& surface) {
   const std::vector<EdgeUse> uses = edge_uses(surface.triangles);
   for (std::size_t first = 0; first < uses.size();) {
     const std::size_t end = end_of_edge(uses, first);
-    if (end - first == 2) {
-      const EdgeUse& a = uses[first];
-      const EdgeUse& b = uses[first + 1];
+    const EdgeUse& a = uses[first];
+    const EdgeUse& b = uses[end - 1];
+    if (end - first == 2 && is_resampled[static_cast<std::size_t>(a.triangle)] &&
+        is_resampled[static_cast<std::size_t>(b.triangle)]) {
       corners.join(corner(a.triangle, a.low), corner(b.triangle, a.low));
       corners.join(corner(a.triangle, a.high), corner(b.triangle, a.high));
     }
@@ -152,14 +162,16 @@ void keep_edges(FanMesh& fans, const std::vector<Eigen::Vector2i>& kept) {
   }
 }
 
-std::optional<FanMesh> fan_mesh(const Surface& surface, const std::vector<Eigen::Vector2i>& kept) {
+std::optional<FanMesh> fan_mesh(const Surface& surface, const std::vector<Eigen::Vector2i>& kept,
+                                const std::vector<bool>& is_resampled) {
   FanMesh fans;
   fans.patch = fans.mesh.add_property_map<Mesh::Face_index, int>("f:of", 0).first;
   fans.kept = fans.mesh.add_property_map<Mesh::Edge_index, bool>("e:kept", false).first;
   fans.origin = fans.mesh.add_property_map<Mesh::Vertex_index, int>("v:origin", -1).first;
-  const std::vector<std::int32_t> fan = fans_of(surface);
+  const std::vector<std::int32_t> fan = fans_of(surface, is_resampled);
   std::map<std::int32_t, Mesh::Vertex_index> vertex_of_fan;
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+    if (!is_resampled[static_cast<std::size_t>(t)]) continue;
     std::array<Mesh::Vertex_index, 3> corners;
     for (int k = 0; k < 3; ++k) {
       const auto [at, is_new] = vertex_of_fan.try_emplace(fan[static_cast<std::size_t>(3 * t + k)]);
@@ -240,44 +252,76 @@ bool resample(FanMesh& fans, const std::vector<double>& edge_length, double leng
   return short_enough;
 }
 
-// Converts back to a surface. All fans at a point on a kept edge share this point again.
-Surface surface_of(const FanMesh& fans, const Surface& before) {
-  Surface after;
-  after.patch_names = before.patch_names;
-  after.regions = before.regions;
+// The points of the result, and their numbers.
+struct Numbered {
+  std::vector<Eigen::RowVector3d> points;
+  std::vector<int> of_vertex;    // of CGAL's mesh
+  std::map<int, int> of_origin;  // of the points of the surface that stay
+
+  // A point of the surface that stays where it is.
+  int stays(int origin, const Surface& surface) {
+    const auto [known, is_new] = of_origin.try_emplace(origin, static_cast<int>(points.size()));
+    if (is_new) points.emplace_back(surface.points.row(origin));
+    return known->second;
+  }
+};
+
+// All fans at a point on a kept edge share this point again.
+Numbered numbered(const FanMesh& fans, const Surface& before) {
   std::vector<char> fixed(fans.mesh.number_of_vertices() + fans.mesh.number_of_removed_vertices());
   for (const Mesh::Edge_index edge : fans.mesh.edges()) {
     if (!fans.kept[edge]) continue;
     fixed[fans.mesh.vertex(edge, 0)] = fixed[fans.mesh.vertex(edge, 1)] = 1;
   }
-  std::map<int, int> number_of_fixed;
-  std::vector<int> number(fixed.size(), -1);
-  std::vector<Eigen::RowVector3d> points;
+  Numbered result;
+  result.of_vertex.assign(fixed.size(), -1);
   for (const Mesh::Vertex_index v : fans.mesh.vertices()) {
     if (fans.mesh.is_isolated(v)) continue;
-    number[v] = static_cast<int>(points.size());
     if (fixed[v] == 1 && fans.origin[v] >= 0) {
-      const auto [known, is_new] = number_of_fixed.try_emplace(fans.origin[v], number[v]);
-      number[v] = known->second;
-      if (!is_new) continue;
+      result.of_vertex[v] = result.stays(fans.origin[v], before);
+      continue;
     }
+    result.of_vertex[v] = static_cast<int>(result.points.size());
     const Point& p = fans.mesh.point(v);
-    points.emplace_back(p.x(), p.y(), p.z());
+    result.points.emplace_back(p.x(), p.y(), p.z());
   }
-  after.points.resize(static_cast<Eigen::Index>(points.size()), 3);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    after.points.row(static_cast<Eigen::Index>(i)) = points[i];
-  }
-  after.triangles.resize(static_cast<Eigen::Index>(fans.mesh.number_of_faces()), 3);
-  after.patch.resize(after.triangles.rows());
-  Eigen::Index t = 0;
+  return result;
+}
+
+// Converts back to a surface, with the triangles that were not resampled behind the others.
+Surface surface_of(const FanMesh& fans, const Surface& before,
+                   const std::vector<bool>& is_resampled) {
+  Numbered number = numbered(fans, before);
+  std::vector<Eigen::RowVector3i> triangles;
+  std::vector<int> patch;
   for (const Mesh::Face_index face : fans.mesh.faces()) {
+    Eigen::RowVector3i corners;
     int k = 0;
     for (const Mesh::Vertex_index v : fans.mesh.vertices_around_face(fans.mesh.halfedge(face))) {
-      after.triangles(t, k++) = number[v];
+      corners[k++] = number.of_vertex[v];
     }
-    after.patch[t++] = fans.patch[face];
+    triangles.push_back(corners);
+    patch.push_back(fans.patch[face]);
   }
+  for (Eigen::Index t = 0; t < before.triangles.rows(); ++t) {
+    if (is_resampled[static_cast<std::size_t>(t)]) continue;
+    Eigen::RowVector3i corners;
+    for (int k = 0; k < 3; ++k) corners[k] = number.stays(before.triangles(t, k), before);
+    triangles.push_back(corners);
+    patch.push_back(before.patch[t]);
+  }
+  Surface after;
+  after.patch_names = before.patch_names;
+  after.regions = before.regions;
+  after.points.resize(static_cast<Eigen::Index>(number.points.size()), 3);
+  for (std::size_t i = 0; i < number.points.size(); ++i) {
+    after.points.row(static_cast<Eigen::Index>(i)) = number.points[i];
+  }
+  after.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    after.triangles.row(static_cast<Eigen::Index>(t)) = triangles[t];
+  }
+  after.patch = Eigen::Map<const Eigen::VectorXi>(patch.data(), std::ssize(patch));
   return after;
 }
 
@@ -317,7 +361,8 @@ std::vector<Eigen::Vector3i> filling(const Surface& surface, const std::vector<i
 std::optional<Surface> isotropic(const Surface& surface, const std::vector<Eigen::Vector2i>& kept,
                                  const std::vector<double>& edge_length) {
   const CgalQuiet quiet;
-  std::optional<FanMesh> fans = fan_mesh(surface, kept);
+  const std::vector<bool> is_resampled = resampled(surface, edge_length);
+  std::optional<FanMesh> fans = fan_mesh(surface, kept, is_resampled);
   if (!fans) return std::nullopt;
   try {
     for (const double length : lengths_of(edge_length)) {
@@ -326,7 +371,7 @@ std::optional<Surface> isotropic(const Surface& surface, const std::vector<Eigen
   } catch (const CGAL::Failure_exception&) {
     return std::nullopt;
   }
-  return surface_of(*fans, surface);
+  return surface_of(*fans, surface, is_resampled);
 }
 
 }  // namespace chladni::mesh

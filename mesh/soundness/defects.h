@@ -40,8 +40,8 @@ struct Crossing {
 /// `surface` with isotropic triangles of `edge_length` [m, one per patch; 0: the patch stays as it
 /// is]. Three kinds of edges stay with their points: edges of `kept`, edges between patches, and
 /// edges that do not have two triangles. New points lie on the old triangles of the patch. No
-/// result where two neighbouring triangles have opposite orientations, or where an edge that stays
-/// is longer than 4/3 of the wanted length of its triangles.
+/// result where two neighbouring triangles that do not stay have opposite orientations, or where an
+/// edge that stays is longer than 4/3 of the wanted length of its triangles.
 [[nodiscard]] std::optional<Surface> isotropic(const Surface& surface,
                                                const std::vector<Eigen::Vector2i>& kept,
                                                const std::vector<double>& edge_length);

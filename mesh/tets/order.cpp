@@ -35,7 +35,7 @@ Eigen::MatrixXd edge_lattice(int corners, int order, int nodes,
   return barycentric;
 }
 
-// Only the corners of the tetrahedra, in their old order.
+// Only the corners of the tetrahedra (of the triangles of a shell), in their old order.
 struct CornerNodes {
   std::vector<std::int32_t> old;  // row -> row of mesh.points
   Cells tets, faces;              // T x 4, F x 3, in the new rows
@@ -44,11 +44,14 @@ struct CornerNodes {
 CornerNodes corner_nodes(const TetMesh& mesh) {
   const auto n = static_cast<std::int32_t>(mesh.points.rows());
   std::vector<std::int32_t> fresh(static_cast<std::size_t>(n), -1);
-  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
-    for (Eigen::Index a = 0; a < 4; ++a) {
-      const std::int32_t p = mesh.tets(t, a);
-      require(0 <= p && p < n, "tetrahedron " + fmt::to_string(t) + " names point " +
-                                   fmt::to_string(p) + ", there are " + fmt::to_string(n));
+  const bool is_shell = mesh.tets.rows() == 0;
+  const Cells& cells = is_shell ? mesh.faces : mesh.tets;
+  for (Eigen::Index t = 0; t < cells.rows(); ++t) {
+    for (Eigen::Index a = 0; a < (is_shell ? 3 : 4); ++a) {
+      const std::int32_t p = cells(t, a);
+      require(0 <= p && p < n, (is_shell ? "triangle " : "tetrahedron ") + fmt::to_string(t) +
+                                   " names point " + fmt::to_string(p) + ", there are " +
+                                   fmt::to_string(n));
       fresh[static_cast<std::size_t>(p)] = 0;
     }
   }
@@ -64,7 +67,8 @@ CornerNodes corner_nodes(const TetMesh& mesh) {
                 ", which is a corner of no tetrahedron");
     return fresh[static_cast<std::size_t>(p)];
   };
-  result.tets = mesh.tets.leftCols(4).unaryExpr(renumbered);
+  result.tets.resize(mesh.tets.rows(), 4);
+  if (mesh.tets.rows() > 0) result.tets = mesh.tets.leftCols(4).unaryExpr(renumbered);
   result.faces.resize(mesh.faces.rows(), 3);
   if (mesh.faces.rows() > 0) result.faces = mesh.faces.leftCols(3).unaryExpr(renumbered);
   return result;
@@ -112,15 +116,15 @@ void put_edge_nodes(Cells& cells, int corners, int order, std::int32_t first_nod
   }
 }
 
-// Places every node by its barycentric coordinates. The place of a shared node is the same from
-// each cell up to round-off; the first cell decides.
-void place_nodes(TetMesh& mesh, int order) {
-  const Eigen::MatrixXd barycentric = tet_node_barycentric(order);
-  Eigen::Matrix<double, 4, 3> corner;
-  for (Eigen::Index t = mesh.tets.rows() - 1; t >= 0; --t) {
-    for (int a = 0; a < 4; ++a) corner.row(a) = mesh.points.row(mesh.tets(t, a));
-    for (Eigen::Index a = 4; a < barycentric.rows(); ++a) {
-      mesh.points.row(mesh.tets(t, a)) = barycentric.row(a) * corner;
+// Places the nodes of `cells` by their barycentric coordinates. The place of a shared node is the
+// same from each cell up to round-off; the first cell decides.
+template <int corners>
+void place_nodes(const Cells& cells, const Eigen::MatrixXd& barycentric, Points& points) {
+  Eigen::Matrix<double, corners, 3> corner;
+  for (Eigen::Index t = cells.rows() - 1; t >= 0; --t) {
+    for (int a = 0; a < corners; ++a) corner.row(a) = points.row(cells(t, a));
+    for (Eigen::Index a = corners; a < barycentric.rows(); ++a) {
+      points.row(cells(t, a)) = barycentric.row(a) * corner;
     }
   }
 }
@@ -180,8 +184,8 @@ void add_nodes(TetMesh& mesh, int order) {
   const Numbering faces = face_numbers(mesh);
   const Eigen::Index tets = mesh.tets.rows();
   for (const std::int32_t first : faces.first) {
-    require(first < 4 * tets, "boundary face " + fmt::to_string(first - 4 * tets) +
-                                  " is not a face of any tetrahedron");
+    require(tets == 0 || first < 4 * tets, "boundary face " + fmt::to_string(first - 4 * tets) +
+                                               " is not a face of any tetrahedron");
   }
   const Eigen::Index corners = mesh.points.rows();
   const auto edge_nodes = static_cast<Eigen::Index>(edges.first.size()) * (order - 1);
@@ -204,7 +208,8 @@ void add_nodes(TetMesh& mesh, int order) {
       mesh.faces(f, 9) = centre + faces.number[static_cast<std::size_t>(4 * tets + f)];
     }
   }
-  place_nodes(mesh, order);
+  if (tets == 0) place_nodes<3>(mesh.faces, triangle_node_barycentric(order), mesh.points);
+  place_nodes<4>(mesh.tets, tet_node_barycentric(order), mesh.points);
 }
 
 }  // namespace

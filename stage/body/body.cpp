@@ -11,6 +11,7 @@
 #include "mesh/check.h"
 #include "mesh/disc.h"
 #include "mesh/patches.h"
+#include "stage/forecast.h"
 #include "stage/kept/kept_mesh.h"
 
 namespace chladni::stage {
@@ -103,16 +104,25 @@ mesh::Surface parametric_surface(const study::Geometry& geometry, double edge_le
   return surface(table, edge_length > 0.0 ? edge_length : table.length / 40.0);
 }
 
-/// Its triangles as the boundary of a mesh that has no cells yet.
+/// Its triangles as the boundary of a mesh that has no cells yet. Patches between two regions bound
+/// nothing and have no triangles in it: no place lies there, and no support holds there.
 mesh::TetMesh shell_of(const mesh::Surface& surface) {
   mesh::TetMesh shell;
   shell.points = surface.points;
-  shell.faces = surface.triangles;
-  shell.face_patch = surface.patch;
   shell.patch_names = surface.patch_names;
   shell.tets.resize(0, 4);
   for (const auto& region : surface.regions) shell.region_names.push_back(region.name);
   if (shell.region_names.empty()) shell.region_names = {"body"};
+  shell.faces = surface.triangles;
+  shell.face_patch = surface.patch;
+  if (surface.regions.size() < 2) return shell;
+  const auto bounds = mesh::bounding_patches(surface);
+  std::vector<Eigen::Index> outer;
+  for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+    if (bounds[static_cast<std::size_t>(surface.patch(t))] != 0) outer.push_back(t);
+  }
+  shell.faces = Cells(surface.triangles(outer, Eigen::all));
+  shell.face_patch = Eigen::VectorXi(surface.patch(outer));
   return shell;
 }
 
@@ -188,12 +198,16 @@ void project(mesh::TetMesh& body, const study::Study& study, int order) {
   }
 }
 
-/// A disc or sphere of linear cells in `order`, its outside on the circles or spheres.
-/// @throws InvalidInput  a cell is turned over, because its wall is too thin for its bent face
-mesh::TetMesh rounded(const study::Study& study, mesh::TetMesh body, int order) {
+/// A disc or sphere of linear cells or faces in `order`, its outside on the circles or spheres.
+mesh::TetMesh on_circles(const study::Study& study, mesh::TetMesh body, int order) {
   project(body, study, order);
   if (order != body.order()) body = with_order(body, order);
   project(body, study, order);
+  return body;
+}
+
+/// @throws InvalidInput  a cell is turned over, because its wall is too thin for its bent face
+void require_upright(const study::Study& study, const mesh::TetMesh& body) {
   try {
     check(body);
   } catch (const InvalidInput& e) {
@@ -201,7 +215,6 @@ mesh::TetMesh rounded(const study::Study& study, mesh::TetMesh body, int order) 
         fmt::format("{}: the round faces bend over cells of the wall; shorten mesh.edge_length: {}",
                     study.file.string(), e.what()));
   }
-  return body;
 }
 
 // The body in another order than its file's.
@@ -247,7 +260,8 @@ mesh::TetMesh body_of(const study::Study& study, const Outline& outline, Work& w
   const int order = order_for(study, body.tet_count(), own_order);
   tell(work.progress(), "placing nodes");
   if (is_round(study)) {
-    body = rounded(study, std::move(body), order);
+    body = on_circles(study, std::move(body), order);
+    require_upright(study, body);
   } else if (order != body.order()) {
     body = reordered(study, body, order, work);
   }
@@ -257,8 +271,15 @@ mesh::TetMesh body_of(const study::Study& study, const Outline& outline, Work& w
 
 std::optional<mesh::TetMesh> rounded_outline(const study::Study& study, const Outline& outline) {
   if (!is_round(study)) return {};
-  const int order = order_for(study, outline.shell.tet_count(), 0);
-  return rounded(study, outline.surface ? layered_body(study) : outline.shell, order);
+  const auto& whole = outline.shell;
+  mesh::TetMesh shell;
+  shell.points = whole.points;
+  shell.tets.resize(0, 4);
+  shell.faces = whole.faces;
+  shell.face_patch = whole.face_patch;
+  shell.patch_names = whole.patch_names;
+  shell.region_names = whole.region_names;
+  return on_circles(study, std::move(shell), forecast(study, outline).order);
 }
 
 int order_for(const study::Study& study, Eigen::Index tets, int own_order) {

@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "mesh/facing.h"
-#include "mesh/patches.h"
 #include "mesh/surface.h"
 #include "study/problems.h"
 
@@ -111,16 +110,8 @@ Faces asked_faces(const mesh::TetMesh& body, const study::FacePlan& on, const st
   return faces;
 }
 
-// Per patch 1 where it has a face on the outside of the body. A shell also has the triangles
-// between regions.
+// Per patch 1 where it has a face on the outside of the body.
 std::vector<char> outer_patches(const mesh::TetMesh& body) {
-  if (body.tet_count() == 0 && body.region_names.size() > 1) {
-    return mesh::bounding_patches({.points = body.points,
-                                   .triangles = body.faces,
-                                   .patch = body.face_patch,
-                                   .patch_names = body.patch_names,
-                                   .regions = {}});
-  }
   std::vector<char> outer(body.patch_names.size(), 0);
   for (const int patch : body.face_patch) outer[static_cast<std::size_t>(patch)] = 1;
   return outer;

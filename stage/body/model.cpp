@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "base/error.h"
 #include "stage/points_on_body.h"
@@ -24,11 +25,12 @@ std::string millimetres(const Eigen::Vector3d& point, bool two) {
 class Placing {
  public:
   Placing(const study::Study& study, const mesh::TetMesh& body)
-      : file_(study.file.string()), finder_(body), problems_(file_) {}
+      : file_(study.file.string()), body_(body), problems_(file_) {}
 
   mesh::Site site(const std::string& what, const study::Place& place) {
     const Eigen::Vector3d& wanted = place.point;
-    auto site = site_at(finder_, place);
+    if (!finder_) finder_.emplace(body_);  // takes its time on a fine mesh
+    auto site = site_at(*finder_, place);
     const double off = site.distance;
     const std::string found = fmt::format("{} at {} is {:.4g} mm off the body; nearest is {}", what,
                                           millimetres(place.point, place.from_above), 1e3 * off,
@@ -56,7 +58,8 @@ class Placing {
 
  private:
   std::string file_;
-  mesh::SiteFinder finder_;
+  const mesh::TetMesh& body_;
+  std::optional<mesh::SiteFinder> finder_;
   study::Problems problems_;
   std::vector<std::string> notes_, warnings_;
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <optional>
 #include <system_error>
 
 #include "base/error.h"
@@ -92,10 +93,11 @@ void look_for_files(const study::Study& study, stage::Work& work) {
 
 // Points at which motions are asked for must be on the body.
 void require_points(const study::Study& study, const mesh::TetMesh& body) {
-  const mesh::SiteFinder finder(body);
+  std::optional<mesh::SiteFinder> finder;
   study::Problems problems(study.file.string());
   const auto look = [&](const study::Place& at, const std::string& what) {
-    const auto site = stage::site_at(finder, at);
+    if (!finder) finder.emplace(body);
+    const auto site = stage::site_at(*finder, at);
     if (site.distance <= stage::kOnTheBody) return;
     problems.add(
         at.line, 1,

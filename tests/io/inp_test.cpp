@@ -273,6 +273,20 @@ TEST(Inp, RefusesSetsAndFacesThatAreNotThere) {
   EXPECT_TRUE(says(after("*ELSET, ELSET=a, GENERATE\n1, 5, 0\n"), "found '0'"));
 }
 
+// A part that is mirrored into its neighbour instead of away from it counts twice.
+TEST(Inp, RefusesCellsThatOverlapBesideACommonFace) {
+  const auto with = [](const std::string& corner, const std::string& cell) {
+    return "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,0,0," + corner +
+           "\n*Element, type=C3D4\n10, 1, 2, 3, 4\n" + cell;
+  };
+  EXPECT_NO_THROW(static_cast<void>(parse_inp(with("-2", "20, 1, 3, 2, 5\n"))));
+  for (const std::string cell : {"20, 1, 2, 3, 5\n", "20, 3, 1, 2, 5\n", "20, 5, 1, 3, 2\n"}) {
+    EXPECT_TRUE(says(refusal([&] { return parse_inp(with("2", cell)); }),
+                     "2 tetrahedra are on the same side of a face as another one, so that they "
+                     "overlap: element 10 20"));
+  }
+}
+
 TEST(Inp, TurnsAMeshThatIsInsideOutAsAWhole) {
   Notes notes;
   const auto body = parse_inp(replaced(kQuadratic, "7, 1, 2, 3, 4, 5,\n6, 7, 8,\n9, 10",

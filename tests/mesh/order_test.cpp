@@ -103,6 +103,30 @@ TEST(WithOrder, EveryNodeIsWhereTheTableSaysAndThereOnce) {
   }
 }
 
+// A shell without cells gets the nodes that the faces of the body get.
+TEST(WithOrder, AShellHasTheNodesOfItsBodysFaces) {
+  const TetMesh linear = random_mesh(5);
+  TetMesh shell = linear;
+  shell.tets.resize(0, 4);
+  shell.region.resize(0);
+  for (const int order : {1, 2, 3}) {
+    const TetMesh body = with_order(linear, order);
+    const TetMesh faces = with_order(shell, order);
+    EXPECT_EQ(faces.order(), order);
+    EXPECT_EQ(faces.tet_count(), 0);
+    ASSERT_EQ(faces.faces.rows(), body.faces.rows());
+    ASSERT_EQ(faces.faces.cols(), body.faces.cols());
+    for (Eigen::Index f = 0; f < faces.faces.rows(); ++f) {
+      for (Eigen::Index a = 0; a < faces.faces.cols(); ++a) {
+        EXPECT_LT((faces.points.row(faces.faces(f, a)) - body.points.row(body.faces(f, a))).norm(),
+                  1e-14);
+      }
+    }
+  }
+  shell.faces(0, 0) = static_cast<int>(shell.points.rows());
+  EXPECT_THROW(static_cast<void>(with_order(shell, 2)), InvalidInput);
+}
+
 TEST(WithOrder, CountsCornersEdgesAndFaces) {
   const TetMesh linear = random_mesh(4);
   std::set<std::set<int>> edges, faces;

@@ -177,6 +177,23 @@ TEST(Materials, OfATableAndItsWaferAreThoseOfTheirRegions) {
   EXPECT_NEAR(understood(study, outline_of(study)).mass_kg, 0.0032 * 7850.0 + wafer * 1100.0, 1e-6);
 }
 
+// A place between the table and its wafer is inside the body. `check` took it for its surface, on
+// which it lay, and `modes` moved it.
+TEST(Places, BetweenTwoRegionsAreInsideTheBody) {
+  const std::string text =
+      "title = \"t\"\ngeometry = { wafer_table = { length = \"400 mm\", width = \"400 mm\", height "
+      "= "
+      "\"20 mm\", wafer = { diameter = \"300 mm\", thickness = \"5 mm\" } } }\n[[sensor]]\nname = "
+      "\"s\"\nat = [\"1 mm\", \"2 mm\", \"0 mm\"]\ndirection = \"z\"\n" +
+      kSteel;
+  const auto study = study::parse_study(text, "table.toml");
+  const auto places = places_of(study, outline_of(study).shell);
+  ASSERT_EQ(places.warnings.size(), 1U);
+  EXPECT_NE(places.warnings[0].find("is 5 mm inside the body"), std::string::npos)
+      << places.warnings[0];
+  EXPECT_NEAR(places.sensors[0].position.z(), 5e-3, 1e-9);
+}
+
 std::string round_of(const std::string& shape, const std::string& rest) {
   return "title = \"round\"\ngeometry = { " + shape + " }\n" + kAluminiumTable + rest;
 }
@@ -194,6 +211,8 @@ TEST(RoundBody, HasItsPlacesWhereItsMeshHasThem) {
     const auto body = body_of(study, outline, work);
     const auto seen = rounded_outline(study, outline);
     ASSERT_TRUE(seen.has_value());
+    EXPECT_EQ(seen->tet_count(), 0);  // places need no cells
+    EXPECT_EQ(seen->order(), body.order());
     const mesh::SiteFinder checked(*seen);
     const mesh::SiteFinder solved(body);
     for (int i = 0; i < 40; ++i) {
@@ -211,6 +230,25 @@ TEST(RoundBody, HasItsPlacesWhereItsMeshHasThem) {
           kAluminiumTable,
       "plate.toml");
   EXPECT_FALSE(rounded_outline(plate, outline_of(plate)).has_value());
+}
+
+// Where TetGen will mesh it, nothing is laid in layers, and the order is that of the forecast.
+TEST(RoundBody, OfTetGenHasItsPlacesWithoutAMesh) {
+  for (const std::string edge : {"40 mm", "2 mm"}) {
+    const auto study = study::parse_study(
+        round_of(kDisc, "mesh = { mesher = \"tetgen\", edge_length = \"" + edge + "\" }\n"),
+        "round.toml");
+    const auto outline = outline_of(study);
+    const auto seen = rounded_outline(study, outline);
+    ASSERT_TRUE(seen.has_value());
+    EXPECT_EQ(seen->tet_count(), 0);
+    EXPECT_EQ(seen->order(), edge == "2 mm" ? 2 : 3);
+    const mesh::SiteFinder finder(*seen);
+    for (int i = 0; i < 40; ++i) {
+      const Eigen::Vector3d at(0.15 * std::cos(0.157 * i), 0.15 * std::sin(0.157 * i), -0.004);
+      EXPECT_LT(finder.nearest(at).distance, 3e-5);
+    }
+  }
 }
 
 TEST(RoundBody, OfEitherMesherIsRoundAndHeavyEnough) {
@@ -262,6 +300,24 @@ TEST(RoundBody, AWaferAtTheDefaultBendsAsAThinPlate) {
   EXPECT_NEAR(solution.modes.frequency_hz(7) / hz, 1.0, 3e-3);
   EXPECT_LT(solution.frequency_error(6), 0.02);
   EXPECT_LT(solution.degrees_of_freedom, 20000);
+}
+
+// A wide ring, one whose wall is thicker than it is high, and one that bends in its plane first. As
+// full discs they were told to begin at 485, 648 and 1808 Hz.
+TEST(RoundBody, TheFirstFrequencyOfARingIsThatOfItsModes) {
+  Work work;
+  for (const std::string hole : {"90 mm", "210 mm", "290 mm"}) {
+    const auto study = study::parse_study(
+        round_of("disc = { diameter = \"300 mm\", thickness = \"8 mm\", hole_diameter = \"" + hole +
+                     "\" }",
+                 "modes = { count = 2 }\n"),
+        "ring.toml");
+    const auto told = understood(study, outline_of(study));
+    const auto solution = solved(study, work);
+    EXPECT_NEAR(told.first_frequency_hz / solution.modes.frequency_hz(6), 1.0, 0.05) << hole;
+    EXPECT_NE(told.line().find("300.0 x 300.0 x 8.0 mm (diameter 300.0 mm)"), std::string::npos);
+    EXPECT_NE(told.line().find("first ring estimate"), std::string::npos) << told.line();
+  }
 }
 
 std::string table_of(int pockets, const std::string& rest) {
