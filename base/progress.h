@@ -6,8 +6,8 @@
 
 namespace chladni {
 
-/// Gets the current step and the fraction done in [0, 1], or −1 where the fraction is not known. It
-/// may be empty; then nothing is reported. It runs in the thread that called the long function.
+/// Gets the current step and the fraction done in [0, 1], or −1: not known. It may be empty. It
+/// runs in the thread that called the long function; in a sweep in several, one call at a time.
 using Progress = std::function<void(std::string_view step, double fraction)>;
 
 inline void tell(const Progress& progress, std::string_view step, double fraction = -1.0) {

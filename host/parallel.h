@@ -18,9 +18,9 @@ void parallel_ranges(std::size_t size,
                      const std::function<void(std::size_t begin, std::size_t end)>& body);
 
 /// Calls body(i) for each i in [0, size), each as soon as a thread is free. This is for tasks of
-/// unequal cost. A parallel loop within a task runs in the task's thread and in threads without
-/// remaining tasks. After all tasks have ended, the exception of the lowest task that threw is
-/// thrown here.
+/// unequal cost. A parallel loop within a task runs in the task's thread, and in one new thread for
+/// each that has no task left when the loop begins. After all tasks have ended, the exception of
+/// the lowest task that threw is thrown here.
 void parallel_tasks(std::size_t size, const std::function<void(std::size_t i)>& body);
 
 /// Runs the two calls at the same time (one after the other with one thread). The exception of

@@ -41,35 +41,22 @@ constexpr int kUnknownEnd = -1;
 static_assert(!WIFEXITED(kUnknownEnd) && !WIFSIGNALED(kUnknownEnd));
 
 struct Pipe {
-  int read_end = -1;
-  int write_end = -1;
+  Descriptor read_end, write_end;
 
   Pipe() {
     std::array<int, 2> ends{};
     if (pipe2(ends.data(), O_CLOEXEC) != 0) {
       throw OutOfResources("no pipe to a worker: " + reason(errno));
     }
-    read_end = above_standard(ends[0]);
-    write_end = above_standard(ends[1]);
-    if (read_end >= 0 && write_end >= 0) return;
-    const std::string why = reason(errno);
-    close_end(read_end);
-    close_end(write_end);
-    throw OutOfResources("no pipe to a worker: " + why);
-  }
-  ~Pipe() {
-    close_end(read_end);
-    close_end(write_end);
-  }
-  Pipe(const Pipe&) = delete;
-  Pipe& operator=(const Pipe&) = delete;
-  Pipe(Pipe&&) = delete;
-  Pipe& operator=(Pipe&&) = delete;
-
-  static void close_end(int& end) {
-    if (end >= 0) ::close(std::exchange(end, -1));
+    read_end.hold(above_standard(ends[0]));
+    write_end.hold(above_standard(ends[1]));
+    if (read_end.number() < 0 || write_end.number() < 0) {
+      throw OutOfResources("no pipe to a worker: " + reason(errno));
+    }
   }
 };
+
+void shut(Descriptor& end) { static_cast<void>(end.close()); }
 
 struct Pipes {
   Pipe input, output, errors;
@@ -98,13 +85,13 @@ constexpr bool kSanitized = false;
   setrlimit(RLIMIT_CORE, &no_core);
   const rlimit memory = {limits.memory_bytes, limits.memory_bytes};
   if (limits.memory_bytes > 0 && !kSanitized) setrlimit(RLIMIT_AS, &memory);
-  dup2(pipes.input.read_end, STDIN_FILENO);
-  dup2(pipes.output.write_end, STDOUT_FILENO);
-  dup2(pipes.errors.write_end, STDERR_FILENO);
+  dup2(pipes.input.read_end.number(), STDIN_FILENO);
+  dup2(pipes.output.write_end.number(), STDOUT_FILENO);
+  dup2(pipes.errors.write_end.number(), STDERR_FILENO);
   const bool is_confined = confinement == nullptr || confinement->apply();
   if (is_confined) execv(arguments[0], arguments);
   const int error = errno;
-  static_cast<void>(!write(pipes.start.write_end, &error, sizeof error));
+  static_cast<void>(!write(pipes.start.write_end.number(), &error, sizeof error));
   _exit(127);
 }
 
@@ -127,10 +114,10 @@ class Worker {
       throw WorkerDied(program.filename().string() +
                        " could not start: " + std::generic_category().message(errno));
     }
-    Pipe::close_end(pipes.input.read_end);
-    Pipe::close_end(pipes.output.write_end);
-    Pipe::close_end(pipes.errors.write_end);
-    Pipe::close_end(pipes.start.write_end);
+    shut(pipes.input.read_end);
+    shut(pipes.output.write_end);
+    shut(pipes.errors.write_end);
+    shut(pipes.start.write_end);
     setpgid(process_, process_);  // both processes call this; either may be first
   }
   ~Worker() {
@@ -207,16 +194,17 @@ class Talk {
  public:
   Talk(const std::string& worker, Pipes& pipes, std::string_view input, std::size_t output_bytes)
       : worker_(worker), pipes_(pipes), left_(input), output_bytes_(output_bytes) {
-    for (const int end : {pipes.input.write_end, pipes.output.read_end, pipes.errors.read_end}) {
-      fcntl(end, F_SETFL, O_NONBLOCK);
+    for (const auto* end :
+         {&pipes.input.write_end, &pipes.output.read_end, &pipes.errors.read_end}) {
+      fcntl(end->number(), F_SETFL, O_NONBLOCK);
     }
-    if (left_.empty()) Pipe::close_end(pipes_.input.write_end);
+    if (left_.empty()) shut(pipes_.input.write_end);
   }
 
   void wait(int milliseconds) {
-    std::array<pollfd, 3> ends = {pollfd{pipes_.input.write_end, POLLOUT, 0},
-                                  pollfd{pipes_.output.read_end, POLLIN, 0},
-                                  pollfd{pipes_.errors.read_end, POLLIN, 0}};
+    std::array<pollfd, 3> ends = {pollfd{pipes_.input.write_end.number(), POLLOUT, 0},
+                                  pollfd{pipes_.output.read_end.number(), POLLIN, 0},
+                                  pollfd{pipes_.errors.read_end.number(), POLLIN, 0}};
     poll(ends.data(), ends.size(), milliseconds);
   }
 
@@ -235,7 +223,7 @@ class Talk {
   }
 
   [[nodiscard]] bool over() const {
-    return pipes_.output.read_end < 0 && pipes_.errors.read_end < 0;
+    return pipes_.output.read_end.number() < 0 && pipes_.errors.read_end.number() < 0;
   }
   WorkerResult result() {
     trim_errors();
@@ -250,26 +238,26 @@ class Talk {
   }
 
   bool give() {
-    if (pipes_.input.write_end < 0) return false;
+    if (pipes_.input.write_end.number() < 0) return false;
     const auto count = unless_interrupted(
-        [&] { return ::write(pipes_.input.write_end, left_.data(), left_.size()); });
+        [&] { return ::write(pipes_.input.write_end.number(), left_.data(), left_.size()); });
     if (count > 0) left_.remove_prefix(static_cast<std::size_t>(count));
     // EPIPE: the worker does not read the rest. Its exit status shows whether that is an error.
     if (left_.empty() || (count < 0 && errno != EAGAIN)) {
-      Pipe::close_end(pipes_.input.write_end);
+      shut(pipes_.input.write_end);
     }
     return count > 0;
   }
 
-  bool take(int& end, std::string& into) try {
-    if (end < 0) return false;
+  bool take(Descriptor& end, std::string& into) try {
+    if (end.number() < 0) return false;
     const auto count =
-        unless_interrupted([&] { return ::read(end, block_.data(), block_.size()); });
+        unless_interrupted([&] { return ::read(end.number(), block_.data(), block_.size()); });
     if (count < 0 && errno != EAGAIN) {
       throw WorkerDied("what " + worker_ + " writes cannot be read: " + reason(errno));
     }
     if (count > 0) into.append(block_.data(), static_cast<std::size_t>(count));
-    if (count == 0) Pipe::close_end(end);
+    if (count == 0) shut(end);
     return count > 0;
   } catch (const std::bad_alloc&) {
     throw OutOfResources("no memory for what " + worker_ + " writes after " +
@@ -331,7 +319,7 @@ Ended ended_worker(const fs::path& program, const std::vector<std::string>& argu
   if (limits.confined) confinement.emplace(program, limits.files, processor_time(limits));
   Pipes pipes;
   Worker worker(program, arguments, pipes, limits, confinement ? &*confinement : nullptr);
-  refuse_failed_start(program, pipes.start.read_end);
+  refuse_failed_start(program, pipes.start.read_end.number());
   Talk talk(name, pipes, input, std::min(limits.output_bytes, room));
   const auto refuse_late = [&] {
     if (Clock::now() < deadline) return;

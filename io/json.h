@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -30,6 +31,10 @@ class Json {
   Json(long value) : value_(static_cast<long long>(value)) {}
   Json(long long value) : value_(value) {}
   Json(const char* value) : value_(std::string(value)) {}
+  /// A string of nullptr would throw, any other pointer would be true. Null is Json().
+  Json(std::nullptr_t) = delete;
+  template <typename T>
+  Json(const T* value) = delete;
   Json(std::string value) : value_(std::move(value)) {}
   Json(JsonArray value) : value_(std::move(value)) {}
   Json(JsonObject value) : value_(std::move(value)) {}

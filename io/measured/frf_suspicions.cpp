@@ -7,6 +7,7 @@
 #include <complex>
 #include <map>
 
+#include "base/upper_median.h"
 #include "io/scan.h"
 
 namespace chladni::io {
@@ -167,9 +168,8 @@ double over_neighbours(const modal::FrfSet& set, Index k, Index i, Index j) {
     allowed = std::max(allowed, most_by_frequency(set.frequency_hz(line), set.frequency_hz(k)));
   }
   if (around.size() < 2 || set.frequency_hz(k) == 0.0) return 0.0;
-  const auto middle = around.begin() + std::ssize(around) / 2;
-  std::nth_element(around.begin(), middle, around.end());
-  return *middle > 0.0 ? size(k) / *middle / allowed : 0.0;
+  const double middle = upper_median(around);
+  return middle > 0.0 ? size(k) / middle / allowed : 0.0;
 }
 
 // Reports single values far above their neighbours, for example from a wrong exponent or bit.

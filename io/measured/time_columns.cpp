@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/upper_median.h"
 #include "io/measured/frf_units.h"
 #include "io/scan.h"
 
@@ -39,12 +40,6 @@ struct TimeFault {
 
 constexpr Index kPiece = 65536;  // times that are looked at at once
 constexpr const char* kOneStep = "; expected one step from sample to sample";
-
-double median_of(Eigen::VectorXd values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // The first row from `from` on, 1 or more, that comes by such a step; −1: there is none.
 template <typename Is>
@@ -97,7 +92,8 @@ TimeFault odd_step(const RecordedTimes& time, Index row, double usual) {
 TimeFault fault_of(const RecordedTimes& time) {
   const auto begin = time.times(0, std::min(kPiece, time.samples));
   if (begin.size() < 2) return {};
-  const double usual = median_of(begin.tail(begin.size() - 1) - begin.head(begin.size() - 1));
+  Eigen::VectorXd steps = begin.tail(begin.size() - 1) - begin.head(begin.size() - 1);
+  const double usual = upper_median(steps);
   const Index row = first_step(time, 1, [&](double step) {
     return !(step > 0.0) || (usual > 0.0 && std::abs(step - usual) > 0.1 * usual);
   });

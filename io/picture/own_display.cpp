@@ -43,13 +43,14 @@ std::string admission() {
 
 // Makes a file without a name, which exists as long as a process has it open. Returns its path,
 // which is the same in a child process.
-std::string nameless_file(const std::string& content) {
-  const int file = memfd_create("xauthority", 0);
-  if (file < 0) fail("no memory for the display's cookie");
-  if (write(file, content.data(), content.size()) != static_cast<ssize_t>(content.size())) {
+std::string nameless_file(const std::string& content, Descriptor& file) {
+  file.hold(memfd_create("xauthority", 0));
+  if (file.number() < 0) fail("no memory for the display's cookie");
+  if (write(file.number(), content.data(), content.size()) !=
+      static_cast<ssize_t>(content.size())) {
     fail("the display's cookie cannot be written");
   }
-  return "/proc/self/fd/" + std::to_string(file);
+  return "/proc/self/fd/" + std::to_string(file.number());
 }
 
 // Runs between fork and exec. The server gets its own process group: a signal that kills the
@@ -88,22 +89,23 @@ std::string line_from(int end) {
 }  // namespace
 
 OwnDisplay::OwnDisplay(const std::string& xvfb) {
-  const std::string cookie = nameless_file(admission());
+  const std::string cookie = nameless_file(admission(), cookie_);
   std::array<int, 2> ends{};
   if (pipe(ends.data()) != 0) fail("no pipe to Xvfb");
+  const Descriptor from_server(ends[0]);
+  Descriptor to_us(ends[1]);
   const std::string number_to = std::to_string(ends[1]);
   const pid_t parent = getpid();
   server_ = fork();
   if (server_ == 0) become_server(xvfb.c_str(), number_to.c_str(), cookie.c_str(), parent);
   if (server_ < 0) fail("Xvfb could not start");
-  close(ends[1]);
+  static_cast<void>(to_us.close());
   try {
-    setenv("DISPLAY", (":" + line_from(ends[0])).c_str(), 1);
+    setenv("DISPLAY", (":" + line_from(from_server.number())).c_str(), 1);
   } catch (...) {
     end();
     throw;
   }
-  close(ends[0]);
   setenv("XAUTHORITY", cookie.c_str(), 1);
 }
 

@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "host/descriptor.h"
+
 namespace chladni::picture {
 
 /// A private Xvfb of this process; DISPLAY and XAUTHORITY are set to it. The Xvfb ends with this
@@ -23,6 +25,7 @@ class OwnDisplay {
  private:
   void end() const;
 
+  Descriptor cookie_;  // open as long as the display is used
   pid_t server_ = -1;
 };
 

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <thread>
 
@@ -43,6 +44,21 @@ TEST(Worker, EchoesMoreThanAPipeHolds) {
 
 TEST(Worker, NeedNotReadItsInput) {
   EXPECT_EQ(run_worker("/bin/echo", {"done"}, std::string(1U << 20U, 'x')).output, "done\n");
+}
+
+std::ptrdiff_t open_descriptors() {
+  const std::filesystem::directory_iterator all("/proc/self/fd");
+  return std::distance(begin(all), end(all));
+}
+
+TEST(Worker, LeavesNoDescriptorOpen) {
+  const auto before = open_descriptors();
+  for (int run = 0; run < 3; ++run) {
+    EXPECT_EQ(run_worker("/bin/cat", {}, "x").output, "x");
+    EXPECT_THROW((void)run_worker("/bin/false", {}, "x"), WorkerDied);
+    EXPECT_THROW((void)run_worker("/not/there", {}, "x"), WorkerDied);
+  }
+  EXPECT_EQ(open_descriptors(), before);
 }
 
 TEST(Worker, KeepsItsErrors) {

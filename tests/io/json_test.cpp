@@ -4,13 +4,24 @@
 
 #include <clocale>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <random>
+#include <string>
+#include <type_traits>
 
 #include "base/error.h"
 
 namespace chladni::io {
 namespace {
+
+// A string of nullptr would end the program, and other pointers would be true.
+static_assert(!std::is_constructible_v<Json, std::nullptr_t>);
+static_assert(!std::is_constructible_v<Json, const int*>);
+static_assert(!std::is_constructible_v<Json, std::string*>);
+static_assert(std::is_constructible_v<Json, const char*>);
+static_assert(std::is_constructible_v<Json, char*>);
+static_assert(std::is_constructible_v<Json, decltype("text")>);
 
 std::string failure(const std::string& json) {
   try {
