@@ -51,10 +51,10 @@ struct CellPart {
   Eigen::Index number = 0;  // of the cell
   std::vector<Eigen::Index> tets;
   std::vector<double> part;
-  Eigen::Vector2d moment = Eigen::Vector2d::Zero();  // of the samples' places
-  double samples = 0.0;
+  Eigen::Vector2d moment = Eigen::Vector2d::Zero();  // of the volume [m⁴]
+  double volume = 0.0;                               // [m³]
 
-  [[nodiscard]] Eigen::Vector2d middle() const { return moment / samples; }
+  [[nodiscard]] Eigen::Vector2d middle() const { return moment / volume; }
   [[nodiscard]] mesh::TetMesh piece(const mesh::TetMesh& body) const {
     mesh::TetMesh result;
     result.points = body.points;
@@ -70,14 +70,25 @@ struct CellPart {
   }
 };
 
-void add_sample(CellPart& cell, Eigen::Index tet, double weight, const Eigen::Vector2d& place) {
+// @param part  of the tetrahedron, for which the sample stands
+// @param volume  of this part
+void add_sample(CellPart& cell, Eigen::Index tet, double part, double volume,
+                const Eigen::Vector2d& place) {
   if (cell.tets.empty() || cell.tets.back() != tet) {
     cell.tets.push_back(tet);
     cell.part.push_back(0.0);
   }
-  cell.part.back() += weight;
-  cell.moment += weight * place;
-  cell.samples += weight;
+  cell.part.back() += part;
+  cell.moment += volume * place;
+  cell.volume += volume;
+}
+
+double flat_volume(const mesh::TetMesh& body, Eigen::Index tet) {
+  Eigen::Matrix3d edges;
+  for (int a = 0; a < 3; ++a) {
+    edges.row(a) = body.points.row(body.tets(tet, a + 1)) - body.points.row(body.tets(tet, 0));
+  }
+  return std::abs(edges.determinant()) / 6.0;
 }
 
 // The parts of all cells that contain some of the body.
@@ -88,6 +99,7 @@ std::vector<CellPart> parts_of(const mesh::TetMesh& body, const Chart& chart,
   const double weight = 1.0 / static_cast<double>(samples.rows());
   for (Eigen::Index t = 0; t < body.tet_count(); ++t) {
     const auto places = sampled_places(body, chart, samples, t);
+    const double volume = flat_volume(body, t);
     for (Eigen::Index n = 0; n < places.rows(); ++n) {
       const Eigen::Vector2d at = places.row(n);
       Eigen::Vector2i cell;
@@ -95,7 +107,8 @@ std::vector<CellPart> parts_of(const mesh::TetMesh& body, const Chart& chart,
         const double fraction = (at(k) - chart.from(k)) / chart.size(k);
         cell(k) = std::clamp(static_cast<int>(std::floor(fraction * counts(k))), 0, counts(k) - 1);
       }
-      add_sample(cells[static_cast<std::size_t>(cell(0) * counts(1) + cell(1))], t, weight, at);
+      add_sample(cells[static_cast<std::size_t>(cell(0) * counts(1) + cell(1))], t, weight,
+                 weight * volume, at);
     }
   }
   for (std::size_t c = 0; c < cells.size(); ++c) cells[c].number = static_cast<Eigen::Index>(c);

@@ -1,14 +1,18 @@
 #include "stage/ensemble.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "base/draw.h"
 #include "base/error.h"
 #include "fem/field_matrices.h"
+#include "mesh/surface.h"
 #include "stage/estimates/waves.h"
 
 namespace chladni::stage {
@@ -31,13 +35,25 @@ Eigen::VectorXd amplitudes(Draw& draw) {
   return share / std::sqrt(variance);
 }
 
-// φφᵀ of a mass at a random place of the surface, in all three directions.
-Eigen::MatrixXd mass_somewhere(const Solution& solution, Draw& draw) {
+// Sums of the areas of the boundary's faces up to each of them [m²].
+std::vector<double> areas_up_to(const mesh::TetMesh& body) {
+  std::vector<double> sums;
+  double sum = 0.0;
+  for (Eigen::Index f = 0; f < body.faces.rows(); ++f) {
+    sum += mesh::area(body.points, body.faces.row(f).leftCols(3));
+    sums.push_back(sum);
+  }
+  return sums;
+}
+
+// φφᵀ of a mass at a random place of the surface, in all three directions. A face is as likely as
+// it is large, so that the places do not depend on where the mesh is fine.
+Eigen::MatrixXd mass_somewhere(const Solution& solution, const std::vector<double>& areas,
+                               Draw& draw) {
   const auto& body = solution.model.body;
-  const auto face =
-      static_cast<Eigen::Index>(draw.uniform() * static_cast<double>(body.faces.rows()));
-  const Eigen::Index node = body.faces(std::min(face, body.faces.rows() - 1), 0);
-  const auto rows = solution.modes.shapes.middleRows<3>(3 * node);
+  const auto found = std::ranges::upper_bound(areas, draw.uniform() * areas.back());
+  const auto face = std::min<Eigen::Index>(found - areas.begin(), std::ssize(areas) - 1);
+  const auto rows = solution.modes.shapes.middleRows<3>(3 * Eigen::Index{body.faces(face, 0)});
   return rows.transpose() * rows;
 }
 
@@ -72,6 +88,7 @@ Change drawn_change(const study::UncertaintyPlan& plan, Draw& draw) {
 // The study's body in the basis of its modes, and its waves.
 struct Basis {
   const Solution& solution;
+  std::vector<double> areas;  // areas_up_to
   Eigen::VectorXd lambda;
   fem::FieldMatrices fields;
 };
@@ -86,7 +103,7 @@ std::optional<Member> changed(const Basis& of, const Change& change,
   }
   for (int i = 0; i < kMasses; ++i) {
     const double heavy = plan.attached_mass * std::abs(draw.normal());
-    mass += heavy * mass_somewhere(of.solution, draw);
+    mass += heavy * mass_somewhere(of.solution, of.areas, draw);
   }
   return member(stiffness, mass);
 }
@@ -100,7 +117,8 @@ std::vector<Member> ensemble(const Solution& solution, const study::UncertaintyP
   for (Eigen::Index k = 0; k < plan.members; ++k) changes.push_back(drawn_change(plan, draw));
   const auto& modes = solution.modes;
   const Eigen::MatrixXd basis = waves(solution.model.body, kWaves);
-  const Basis of{solution, (2.0 * std::numbers::pi * modes.frequency_hz).cwiseAbs2(),
+  const Basis of{solution, areas_up_to(solution.model.body),
+                 (2.0 * std::numbers::pi * modes.frequency_hz).cwiseAbs2(),
                  fem::field_matrices(solution.model.body, solution.model.materials, modes.shapes,
                                      basis, basis)};
   std::vector<Member> members;

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+#include <cmath>
+
+#include "mesh/bodies.h"
 #include "solved_text.h"
 
 namespace chladni::stage {
@@ -47,6 +51,31 @@ TEST(Ensemble, IsTheSameForOneSeedAndTheBodyItselfWithoutDeviations) {
             ensemble(plate().solution, plan, 1)[1].frequency_hz);
   EXPECT_NE(ensemble(plate().solution, plan, 1)[1].frequency_hz,
             ensemble(plate().solution, plan, 2)[1].frequency_hz);
+}
+
+// The mean of what the four masses add to the mass of the modes is that of an even coating, also
+// where a part of the surface has most of the faces.
+TEST(Ensemble, HasMassesWhereverTheSurfaceIs) {
+  Solution solution = plate().solution;
+  auto& body = solution.model.body;
+  body = mesh::layered(mesh::Plate{.length = 0.3, .width = 0.2, .thickness = 0.01}, 0.01, 1);
+  for (auto& x : body.points.col(0)) {  // four times as fine at one end
+    const double t = 0.5 + x / 0.3;
+    x = 0.3 * (0.4 * t + 0.6 * t * t) - 0.15;
+  }
+  auto& shapes = solution.modes.shapes;
+  shapes = Eigen::Matrix3d::Identity().replicate(body.node_count(), 1);
+  for (Eigen::Index n = 0; n < body.node_count(); ++n) shapes(3 * n + 2, 1) = body.points(n, 0);
+  solution.modes.frequency_hz = Eigen::VectorXd::Zero(3);
+  study::UncertaintyPlan plan;
+  plan.attached_mass = 1e-3;
+  plan.members = 4000;
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const auto& one : ensemble(solution, plan, 5)) {
+    sum += (one.turn * one.turn.transpose()).inverse() - Eigen::Matrix3d::Identity();
+  }
+  // In units of all masses: the middle of their places along the plate.
+  EXPECT_NEAR(sum(1, 2) / sum(2, 2), 0.0, 0.006);
 }
 
 }  // namespace

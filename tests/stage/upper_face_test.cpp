@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "fem/material.h"
 #include "mesh/bodies.h"
+#include "stage/reduction/body_cells.h"
 
 namespace chladni::stage {
 namespace {
@@ -44,6 +48,44 @@ TEST(UpperFace, TellsHowFarBelowTheChartTheBodyIs) {
     EXPECT_NEAR(*height, -0.1 * (0.15 - x), 1e-9);
   }
   EXPECT_FALSE(face.height({0.2, 0.0}).has_value());
+}
+
+// A plate whose mesh is fine up to x = `border` and coarse beyond it, of 60 columns: `fine` of them
+// are up to there.
+Model graded_plate(int fine, double border) {
+  constexpr double kHalf = 0.15;
+  Model model;
+  model.body = mesh::layered(mesh::Plate{.length = 0.3, .width = 0.2, .thickness = 0.01}, 0.005, 1);
+  const double from = -kHalf + 0.005 * fine;
+  for (auto& x : model.body.points.col(0)) {
+    x = x <= from ? -kHalf + (x + kHalf) * (border + kHalf) / (from + kHalf)
+                  : kHalf - (kHalf - x) * (kHalf - border) / (kHalf - from);
+  }
+  model.materials = {fem::isotropic(70e9, 0.33, 2700.0)};
+  return model;
+}
+
+diagnosis::BodyCells cells_on_translations(const Model& model) {
+  modal::Modes modes;
+  modes.frequency_hz = Eigen::VectorXd::Zero(3);
+  modes.shapes = Eigen::Matrix3d::Identity().replicate(model.body.node_count(), 1);
+  modes.rigid_count = 3;
+  const auto chart = chart_of(model.body);
+  const UpperFace face(chart, model.body, modes.shapes);
+  return cells_of(model, modes, chart, face, false);
+}
+
+// The middle of a cell is that of its volume, also where half of it has four times the elements.
+TEST(BodyCells, HaveTheirMiddlesWhereverTheMeshIsFine) {
+  const auto even = cells_on_translations(graded_plate(30, 0.0));
+  const auto graded = cells_on_translations(graded_plate(48, 0.0125));
+  ASSERT_EQ(even.count(), graded.count());
+  const double pitch = std::sqrt(0.3 * 0.2 / static_cast<double>(even.count()));
+  EXPECT_LT((even.centres - graded.centres).cwiseAbs().maxCoeff(), 0.05 * pitch);
+  for (Eigen::Index c = 0; c < even.count(); ++c) {
+    const auto& mass = graded.mass[static_cast<std::size_t>(c)];
+    EXPECT_NEAR(mass(2, 2), even.mass[static_cast<std::size_t>(c)](2, 2), 0.05 * mass(2, 2)) << c;
+  }
 }
 
 }  // namespace
