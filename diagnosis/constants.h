@@ -108,6 +108,8 @@ struct Constants : ModeConstants {
   double next_callipers = 1e-3;
   /// [1] A mode that the sensors see less, of their usual shape, gives no number. Chosen.
   double next_seen = 0.1;
+  /// [1] Part of the doubt that the least rivals share, for which no measurement is sought. Chosen.
+  double next_tail = 0.1;
   /// [σ] Step along each axis of the covariance of an explanation. Chosen.
   double next_step = 0.1;
   /// [1] Rigid-body modes that are no translation to this have no mass to weigh. Chosen.

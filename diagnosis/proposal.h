@@ -32,6 +32,8 @@ struct Proposal {
   double cost = 0.0;  ///< MeasurementCosts
 };
 
+/// A place on the chart [m] as "(120, 40) mm"; below 10 mm with decimals, down to micrometres.
+[[nodiscard]] std::string place_in_words(const Eigen::Vector2d& place);
 /// "a known mass of 20 g at (120, 40) mm: ln of the Bayes factor about 7".
 [[nodiscard]] std::string in_words(const Proposal& proposal);
 /// "sensor", "mass", ...

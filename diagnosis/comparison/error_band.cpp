@@ -8,6 +8,7 @@
 
 #include "dense/blas.h"
 #include "diagnosis/fit/fit.h"
+#include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/verdict/prepared.h"
 
 namespace chladni::diagnosis {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -13,11 +12,10 @@
 #include "base/index.h"
 #include "dense/algebra.h"
 #include "dense/blas.h"
-#include "diagnosis/attached/loaded_damping.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/fit/information.h"
+#include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/search/quadratic.h"
-#include "host/parallel.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -25,41 +23,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-// The cause and the coordinate of a column.
-struct Column {
-  std::size_t cause = 0;
-  Index coordinate = 0;
-  Parameter parameter;
-};
-
-std::vector<Column> columns_of(const Structure& structure, const std::vector<Supposed>& causes) {
-  std::vector<Column> columns;
-  for (std::size_t c = 0; c < causes.size(); ++c) {
-    Index i = 0;
-    for (const auto& parameter : causes[c].effect->parameters(structure)) {
-      columns.push_back({c, i++, parameter});
-    }
-  }
-  return columns;
-}
-
-// Factors of the steps to both sides that stay on the surface: 1 and 1, or one of them 0 at its
-// rim.
-std::pair<double, double> sides(const Structure& structure, const Supposed& cause,
-                                const Column& column) {
-  if (!column.parameter.is_place()) return {1.0, 1.0};
-  const auto is_there = [&](double by) {
-    Supposed moved = cause;
-    moved.x(column.coordinate) += by;
-    const auto place = place_of(moved, structure);
-    return !place || structure.surface.at(*place).has_value();
-  };
-  const bool minus = is_there(-column.parameter.step);
-  const bool plus = is_there(column.parameter.step);
-  if (minus == plus) return {1.0, 1.0};
-  return {minus ? 1.0 : 0.0, plus ? 1.0 : 0.0};
-}
 
 double prior_of(const Structure& structure, const std::vector<Supposed>& causes) {
   double sum = 0.0;
@@ -148,7 +111,8 @@ std::vector<Index> held_by_ends(const Structure& structure, const Fit& fit,
   for (std::size_t n = 0; n < columns.size(); ++n) {
     const double forward = by(static_cast<Index>(n));
     if (forward == 0.0) continue;
-    const auto [minus, plus] = sides(structure, fit.causes[columns[n].cause], columns[n]);
+    const auto [minus, plus] =
+        sides_on_surface(structure, fit.causes[columns[n].cause], columns[n]);
     const bool at_rim = (forward < 0.0 ? minus : plus) == 0.0;
     if (at_rim || is_at_an_end(fit, columns[n], forward)) held.push_back(static_cast<Index>(n));
   }
@@ -231,59 +195,6 @@ void cut_at_ends(const VectorXd& gradient, const std::vector<Column>& columns,
   }
 }
 
-// States about a fit, in which one coordinate of a cause or one deviation is moved.
-class About {
- public:
-  About(const Problem& problem, const std::vector<Supposed>& causes, const VectorXd& eta)
-      : problem_(problem), causes_(causes), eta_(eta) {
-    for (const auto& cause : causes) changes_.push_back(change_of(cause, problem.structure));
-  }
-
-  [[nodiscard]] State here() const { return changed(deviating_by(eta_)); }
-
-  [[nodiscard]] State with_deviation(Index i, double by) const {
-    return changed(deviating_by(eta_ + by * VectorXd::Unit(eta_.size(), i)));
-  }
-
-  [[nodiscard]] State with_coordinate(const Column& column, double by) const {
-    State state = deviating_by(eta_);
-    std::vector<Supposed> moved = causes_;
-    moved[column.cause].x(column.coordinate) += by;
-    for (std::size_t c = 0; c < changes_.size(); ++c) {
-      if (c != column.cause) {
-        changes_[c](state);
-      } else {
-        moved[c].effect->apply(state, problem_.structure, moved[c].option, moved[c].x);
-      }
-    }
-    if (state.loaded_damping != 0.0) take_in(loaded_damping(problem_.structure, moved), state);
-    return state;
-  }
-
- private:
-  [[nodiscard]] State deviating_by(const VectorXd& eta) const {
-    return deviating(problem_.structure, problem_.deviations, eta);
-  }
-  [[nodiscard]] State changed(State state) const {
-    for (const auto& change : changes_) change(state);
-    if (state.loaded_damping == 0.0 || changes_.empty()) return state;
-    std::call_once(once_, [&] { loaded_ = loaded_damping(problem_.structure, causes_); });
-    take_in(loaded_, state);
-    return state;
-  }
-  static void take_in(const LoadedDamping& loaded, State& state) {
-    const MatrixXd gained = loaded.gained(state.relative_damping);
-    if (gained.size() > 0) state.damping += state.loaded_damping * gained;
-  }
-
-  const Problem& problem_;
-  const std::vector<Supposed>& causes_;
-  const VectorXd& eta_;
-  std::vector<std::function<void(State&)>> changes_;
-  mutable std::once_flag once_;
-  mutable LoadedDamping loaded_;  // for the causes, made on first use
-};
-
 }  // namespace
 
 double error_of(const Problem& problem, const Supposed& cause) {
@@ -321,38 +232,6 @@ Fit with_deviations(Fit fit, std::size_t count) {
   fit.eta.conservativeResize(static_cast<Index>(count));
   if (fit.eta.size() > before) fit.eta.tail(fit.eta.size() - before).setZero();
   return fit;
-}
-
-State state_of(const Problem& problem, const std::vector<Supposed>& causes, const VectorXd& eta) {
-  return About(problem, causes, eta).here();
-}
-
-MatrixXd sensitivities(const Problem& problem, const std::vector<Supposed>& causes,
-                       const VectorXd& eta, const Solved& now) {
-  const auto columns = columns_of(problem.structure, causes);
-  const auto count = static_cast<Index>(columns.size());
-  const About about(problem, causes, eta);
-  const State here = about.here();
-  MatrixXd jacobian(2 * problem.observed.value.size(), count + eta.size());
-  const auto sloping = [&](const State& minus, const State& plus, double step) {
-    return weighted(problem.observed, slope(here, now, minus, plus, step));
-  };
-  const auto of_cause = [&](const Column& column) {
-    const double h = column.parameter.step;
-    const auto [minus, plus] = sides(problem.structure, causes[column.cause], column);
-    return sloping(about.with_coordinate(column, -minus * h),
-                   about.with_coordinate(column, plus * h), (minus + plus) * h);
-  };
-  const auto of_deviation = [&](Index i) {
-    constexpr double kStep = 1e-3;
-    return sloping(about.with_deviation(i, -kStep), about.with_deviation(i, kStep), 2.0 * kStep);
-  };
-  const dense::OneBlasThread one_thread;
-  parallel_tasks(at(jacobian.cols()), [&](std::size_t n) {
-    const auto i = static_cast<Index>(n);
-    jacobian.col(i) = i < count ? of_cause(columns[n]) : of_deviation(i - count);
-  });
-  return jacobian;
 }
 
 Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits) {

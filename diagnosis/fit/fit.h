@@ -27,10 +27,6 @@ struct Problem {
 /// effect of the cause does not depend on the mode shapes.
 [[nodiscard]] double error_of(const Problem& problem, const Supposed& cause);
 
-/// The structure with its deviations (in units of their tolerances), then the causes in order.
-[[nodiscard]] State state_of(const Problem& problem, const std::vector<Supposed>& causes,
-                             const Eigen::VectorXd& eta);
-
 /// z that a loss of ln likelihood adds for this many numbers, and the inverse.
 [[nodiscard]] inline double excess_of(double lost, double numbers) {
   return 2.0 * lost / std::sqrt(2.0 * numbers);
@@ -84,10 +80,5 @@ struct FitLimits {
 /// Constants::small_fall, they are taken at the point before this step. Cost: per iteration one
 /// solve of all lines, a slope per coordinate, N (coordinates)².
 [[nodiscard]] Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits = {});
-
-/// Weighted d value / d x of each coordinate: N × coordinates; causes first, then deviations.
-[[nodiscard]] Eigen::MatrixXd sensitivities(const Problem& problem,
-                                            const std::vector<Supposed>& causes,
-                                            const Eigen::VectorXd& eta, const Solved& now);
 
 }  // namespace chladni::diagnosis

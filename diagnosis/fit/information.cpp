@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "dense/algebra.h"
+#include "diagnosis/fit/sensitivities.h"
 
 namespace chladni::diagnosis {
 
@@ -33,8 +34,7 @@ double prior_width(const Structure& structure, const Parameter& parameter) {
 }
 
 MatrixXd tolerated_variance(const Problem& problem, const Fit& fit, const Solved& now) {
-  const MatrixXd jacobian =
-      sensitivities(problem, fit.causes, fit.eta, now).rightCols(fit.eta.size());
+  const MatrixXd jacobian = sensitivities_of_deviations(problem, fit.causes, fit.eta, now);
   const Index n = problem.observed.value.size();
   // The rows are weighted; each is the real or the imaginary part of one response.
   const VectorXd power = jacobian.rowwise().squaredNorm();

@@ -42,7 +42,7 @@ class Information {
 /// Variance of the responses by the tolerances about a fit: Σ |d value / d eta|² over the
 /// deviations, K×pq [m²/N²]; 0 where not measured.
 /// @param now  the responses of the fit
-/// Cost: a slope per coordinate and deviation
+/// Cost: a slope per deviation
 [[nodiscard]] Eigen::MatrixXd tolerated_variance(const Problem& problem, const Fit& fit,
                                                  const Solved& now);
 

@@ -102,7 +102,7 @@ void fill(Observed& observed, const modal::FrfSet& set, const std::vector<Index>
 // 63, 1968).
 std::pair<Eigen::VectorXd, Eigen::VectorXd> levels_of(const Eigen::MatrixXd& power,
                                                       const Eigen::MatrixXd& known) {
-  constexpr int kMostRounds = 50;
+  constexpr int kMostRounds = 10000;  // a chain of levels that are far apart takes thousands
   constexpr double kRounding = 1e-9;  // of a round that changes nothing any more
   const auto over = [](const Eigen::VectorXd& sum, const Eigen::VectorXd& weight) {
     return Eigen::VectorXd((weight.array() > 0.0).select(sum.array() / weight.array(), 0.0));

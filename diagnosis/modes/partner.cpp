@@ -155,6 +155,12 @@ ShapeUnits shape_units(const Structure& structure) {
   return {unit(structure.outputs.shapes), unit(structure.inputs.shapes)};
 }
 
+double visibility(const VectorXd& shape, double unit) {
+  if (shape.size() == 0) return 1.0;
+  const double seen = kConstants.blindest * root_mean_square(shape) / unit;
+  return seen * seen / (1.0 + seen * seen);
+}
+
 double PartnerSide::blindness() const { return root_mean_square(weight); }
 
 double Partner::mac() const { return mac_of(sensors) * mac_of(actuators); }

@@ -48,6 +48,11 @@ struct Partner {
   [[nodiscard]] double likeness() const;
 };
 
+/// How well the channels of one side see a mode, from 1 down to 0 where they hardly do.
+/// @param shape  of the mode at the channels [kg^-1/2]; without channels it is 1
+/// @param unit  ShapeUnits of the side
+[[nodiscard]] double visibility(const Eigen::VectorXd& shape, double unit);
+
 /// Channels that have a value in measured mode i.
 [[nodiscard]] std::vector<Eigen::Index> rows_with_values(const Eigen::MatrixXcd& shapes,
                                                          Eigen::Index i);

@@ -11,6 +11,7 @@
 #include "dense/blas.h"
 #include "diagnosis/calibrated_responses.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/modes/calibration/constants_told.h"
 #include "diagnosis/modes/deviations_by_modes.h"
 #include "diagnosis/modes/given.h"

@@ -8,6 +8,7 @@
 #include "base/index.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/fit/information.h"
+#include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/search/probe.h"
 
 namespace chladni::diagnosis {

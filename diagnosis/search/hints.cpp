@@ -12,6 +12,7 @@
 #include "dense/blas.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/fit/information.h"
+#include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/search/probe.h"
 #include "host/parallel.h"
 

@@ -14,6 +14,7 @@
 #include "diagnosis/constants.h"
 #include "diagnosis/fit/deviations.h"
 #include "diagnosis/fit/information.h"
+#include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/readings/readings.h"
 #include "diagnosis/search/elsewhere.h"
 #include "diagnosis/search/hints.h"

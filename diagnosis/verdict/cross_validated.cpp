@@ -13,6 +13,7 @@
 #include "dense/algebra.h"
 #include "dense/blas.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/search/quadratic.h"
 #include "diagnosis/search/simpler.h"
 #include "diagnosis/verdict/held_out_parts.h"

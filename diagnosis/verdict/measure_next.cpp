@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "diagnosis/constants.h"
+#include "diagnosis/fit/sensitivities.h"
+#include "diagnosis/proposal.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -120,9 +122,9 @@ std::string measure_next(const Problem& problem, const Fit& a, const Fit& b) {
   if (most < kConstants.next_evidence) {
     return "no further sensor on this surface tells them apart: add a known mass, or look";
   }
-  const auto place = surface.places.row(places[static_cast<std::size_t>(best)]);
-  return fmt::format("a sensor at ({:.0f}, {:.0f}) mm: ln of the Bayes factor up to {:.3g}",
-                     1e3 * place(0), 1e3 * place(1), most);
+  const Eigen::Vector2d place = surface.places.row(places[static_cast<std::size_t>(best)]);
+  return fmt::format("a sensor at {}: ln of the Bayes factor up to {:.3g}", place_in_words(place),
+                     most);
 }
 
 }  // namespace chladni::diagnosis

@@ -3,11 +3,18 @@
 #include <fmt/format.h>
 
 namespace chladni::diagnosis {
-namespace {
 
-std::string place_text(const Eigen::Vector2d& place) {
-  return fmt::format("at ({:.0f}, {:.0f}) mm", 1e3 * place(0), 1e3 * place(1));
+std::string place_in_words(const Eigen::Vector2d& place) {
+  constexpr int kMicrometre = 3;  // decimals of a millimetre
+  const double largest = 1e3 * place.cwiseAbs().maxCoeff();
+  int decimals = 0;
+  for (double size = largest; size > 0.0 && size < 10.0 && decimals < kMicrometre; size *= 10.0) {
+    ++decimals;
+  }
+  return fmt::format("({:.{}f}, {:.{}f}) mm", 1e3 * place(0), decimals, 1e3 * place(1), decimals);
 }
+
+namespace {
 
 std::string task_of(const Proposal& proposal) {
   using What = Proposal::What;
@@ -17,12 +24,12 @@ std::string task_of(const Proposal& proposal) {
     case What::exchange:
       return "put another channel in the place of " + proposal.of;
     case What::mass:
-      return fmt::format("lay a known mass of {:.2g} g {}, and measure the frequencies again",
-                         1e3 * proposal.mass, place_text(proposal.place.value()));
+      return fmt::format("lay a known mass of {:.2g} g at {}, and measure the frequencies again",
+                         1e3 * proposal.mass, place_in_words(proposal.place.value()));
     case What::dimension:
       return "measure " + proposal.of;
     case What::sensor:
-      return "a sensor " + place_text(proposal.place.value());
+      return "a sensor at " + place_in_words(proposal.place.value());
     case What::weighing:
       return "weigh " + proposal.of;
   }

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/fit/sensitivities.h"
 
 namespace chladni::diagnosis {
 namespace {

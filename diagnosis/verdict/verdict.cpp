@@ -10,6 +10,7 @@
 
 #include "diagnosis/constants.h"
 #include "diagnosis/fit/information.h"
+#include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/search/simpler.h"
 #include "diagnosis/verdict/cause_of.h"
 #include "diagnosis/verdict/counterparts.h"

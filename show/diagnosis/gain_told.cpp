@@ -142,6 +142,11 @@ std::vector<std::string> gain_lines(const steps::Diagnosed& one) {
     lines.emplace_back(
         "after: the reduced model of the fit with all causes (extended.toml lacks one, or was not "
         "solved)");
+    if (!gain.pays && gain.fitted_pays) {
+      lines.emplace_back(*gain.fitted_pays
+                             ? "by it the causes pay; extended.toml does not express them"
+                             : "by it the causes do not pay; extended.toml does not express them");
+    }
   }
   if (gain.from == steps::GainFrom::fitted_model && gain.pays) {
     const auto held_out =
@@ -179,6 +184,7 @@ std::string gain_text(const steps::Diagnosed& one) {
 
 io::JsonObject gain_json(const steps::Diagnosed& one) {
   const auto& gain = one.gain;
+  const auto pays = gain.pays ? gain.pays : gain.fitted_pays;
   io::JsonObject json{
       {"from", is_changed(gain) ? io::Json(std::string(steps::name(gain.from))) : io::Json()},
       {"fit", io::JsonObject{{"before", gain.fit_before}, {"after", gain.fit_after}}},
@@ -193,7 +199,7 @@ io::JsonObject gain_json(const steps::Diagnosed& one) {
       {"held_out_in_turn", gain.in_turn},
       {"noise_floor", gain.noise_floor},
       {"held_out_noise_floor", gain.held_out_noise},
-      {"pays", gain.pays ? io::Json(*gain.pays) : io::Json()}};
+      {"pays", pays ? io::Json(*pays) : io::Json()}};
   if (gain.from == steps::GainFrom::fitted_model && gain.pays) {
     json.emplace_back("extended_study", io::JsonObject{{"fit", gain.fit_extended},
                                                        {"held_out", gain.held_out_extended}});

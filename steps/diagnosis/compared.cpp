@@ -69,7 +69,9 @@ bool take_scale(Compared& one, stage::Work& work) {
                   level));
   for (auto* set : {&one.measured.all, &one.seen}) {
     for (auto& value : set->value) value /= level;
-    for (auto& variance : set->variance) variance /= level * level;
+    for (auto* variances : {&set->variance, &set->noise_variance}) {
+      for (auto& variance : *variances) variance /= level * level;
+    }
   }
   return true;
 }

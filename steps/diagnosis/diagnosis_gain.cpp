@@ -88,6 +88,7 @@ void take_parts(const diagnosis::CrossValidation& tested, Gain& gain) {
     if (part.kind != diagnosis::HeldOutPart::Kind::upper_band) gain.held_out.push_back(words(part));
   }
   if (gain.pays) gain.pays = tested.pays() && !worse(gain.fit_extended, gain.fit_before);
+  if (gain.fitted_pays) gain.fitted_pays = tested.pays() && !worse(gain.fit_after, gain.fit_before);
 }
 
 }  // namespace
@@ -125,10 +126,11 @@ Gain gain_of(const MeasuredFrfs& measured, const study::DiagnosisPlan& plan,
     gain.fit_after = error(after, false);
     gain.held_out_after = error(after, true);
   }
-  if (is_extended) {
-    gain.pays = !worse(gain.held_out_extended, gain.held_out_before) &&
-                !worse(gain.fit_extended, gain.fit_before);
-  }
+  const auto pays = [&](double fit, double held_out) {
+    return !worse(held_out, gain.held_out_before) && !worse(fit, gain.fit_before);
+  };
+  if (is_extended) gain.pays = pays(gain.fit_extended, gain.held_out_extended);
+  if (is_fitted) gain.fitted_pays = pays(gain.fit_after, gain.held_out_after);
   gain.fitted = fitted_part(measured, plan);
   gain.held_out = held_out_channels;
   if (plan.hold_out_high_hz > 0.0) {

@@ -58,6 +58,9 @@ struct Gain {
   /// fitted data; none if no extended study was solved. In turn, the gain of the cross-validation
   /// stands for the held-out data.
   std::optional<bool> pays;
+  /// Likewise of the fitted model with all causes, where `after` is of it; else none. It is all
+  /// that is known of causes that no study can express.
+  std::optional<bool> fitted_pays;
 };
 
 /// Relative errors |G − Ĝ| over |G| of each line, over all its responses; k each. NaN: not known.

@@ -23,26 +23,54 @@ using Eigen::Index;
 
 constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
-// Estimates variances that the file does not state from the scatter of the lines.
-void state_variance(modal::FrfSet& set, stage::Work& work) {
-  if (!set.variance.empty()) return;
+// True if some variance is above 0: zeros are none.
+bool states_variances(const modal::FrfSet& set) {
+  return std::ranges::any_of(set.variance,
+                             [](const auto& line) { return (line.array() > 0.0).any(); });
+}
+
+// Takes variances from the weights of a fit to the same data where `lacks` says so of a finite
+// value, whose variance is 0. What these take for not measured is so here. Returns their number.
+template <typename Lacks>
+Index take_variances(modal::FrfSet& set, const Lacks& lacks) {
   const auto data = identification::fit_data(set);
-  work.warn(
-      "the measured responses state no variance: it is estimated from their scatter, and "
-      "with it every probability");
-  Eigen::MatrixXd nothing =
-      Eigen::MatrixXd::Constant(set.output_count(), set.input_count(), kNotMeasured);
-  set.variance.assign(set.value.size(), nothing);
+  Index taken = 0;
   Index line = 0;
   for (Index k = 0; k < set.line_count(); ++k) {
     if (set.frequency_hz(k) <= 0.0) continue;
-    const Eigen::VectorXd weight = data.weight.row(line++).transpose();
-    set.variance[static_cast<std::size_t>(k)] =
-        (weight.array() > 0.0)
-            .select(weight.array().square().inverse(), kNotMeasured)
-            .matrix()
-            .reshaped(set.output_count(), set.input_count());
+    const Eigen::MatrixXd weight =
+        data.weight.row(line++).reshaped(set.output_count(), set.input_count());
+    auto& value = set.value[static_cast<std::size_t>(k)];
+    auto& variance = set.variance[static_cast<std::size_t>(k)];
+    for (Index e = 0; e < value.size(); ++e) {
+      if (!std::isfinite(std::abs(value(e))) || !lacks(variance(e))) continue;
+      variance(e) = weight(e) > 0.0 ? 1.0 / (weight(e) * weight(e)) : kNotMeasured;
+      if (!(weight(e) > 0.0)) value(e) = kNotMeasured;
+      ++taken;
+    }
   }
+  return taken;
+}
+
+// Estimates variances that the file does not state from the scatter of the lines. A single variance
+// of 0 is not stated either: the line has that of its neighbours, as in an identification.
+void state_variance(modal::FrfSet& set, stage::Work& work) {
+  if (states_variances(set)) {
+    const bool some = std::ranges::any_of(
+        set.variance, [](const auto& line) { return (line.array() == 0.0).any(); });
+    if (!some) return;
+    const auto taken = take_variances(set, [](double variance) { return variance == 0.0; });
+    if (taken == 0) return;
+    work.note(fmt::format("{} of the stated variances are 0: those of neighbouring lines are taken",
+                          taken));
+    return;
+  }
+  work.warn(
+      "the measured responses state no variance: it is estimated from their scatter, and "
+      "with it every probability");
+  set.variance.assign(set.value.size(),
+                      Eigen::MatrixXd::Zero(set.output_count(), set.input_count()));
+  take_variances(set, [](double) { return true; });
 }
 
 // Modes with complex shapes, if these leave much less of the data than real ones, which leave this

@@ -16,7 +16,8 @@ namespace chladni::steps {
 [[nodiscard]] study::DiagnosisPlan plan_of(const study::Study& study);
 
 /// The responses for a diagnosis: receptances within the band, below the last mode at `highest_hz`,
-/// with variances, estimated where the file states none.
+/// with variances: estimated where the file states none, of neighbouring lines where one is 0. A
+/// response of 0 beside a variance of 0 was not measured.
 /// @throws InvalidInput  fewer than 16 lines are left
 [[nodiscard]] MeasuredFrfs within_band(MeasuredFrfs measured, const study::Study& study,
                                        const study::DiagnosisPlan& plan, double highest_hz,

@@ -10,6 +10,7 @@
 
 #include "base/draw.h"
 #include "base/index.h"
+#include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/small_plate.h"
 #include "diagnosis/verdict/held_out_parts.h"
 #include "rotation/turn.h"

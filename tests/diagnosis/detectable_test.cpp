@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/search/search.h"
 #include "diagnosis/small_plate.h"
 #include "rotation/turn.h"

@@ -16,6 +16,7 @@
 #include "diagnosis/fit/deviations.h"
 #include "diagnosis/fit/fit.h"
 #include "diagnosis/fit/responses.h"
+#include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/search/probe.h"
 #include "diagnosis/small_plate.h"
 #include "simulators/hidden/hidden_effect.h"

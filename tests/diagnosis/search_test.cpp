@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "base/draw.h"
+#include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/search/overlap.h"
 #include "diagnosis/search/simpler.h"
 #include "diagnosis/small_plate.h"

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "diagnosis/fit/sensitivities.h"
+#include "diagnosis/proposal.h"
 #include "diagnosis/small_plate.h"
 #include "diagnosis/verdict/measure_next.h"
 
@@ -323,6 +325,15 @@ TEST_F(NextSensor, HasTheNoiseOfTheOthers) {
   observed_.weight.rightCols(observed_.weight.cols() - p).setZero();
   const auto less = measure_next(problem_, a, b);
   EXPECT_LT(std::strtod(less.c_str() + less.find("up to ") + 6, nullptr), 0.7 * evidence) << less;
+}
+
+// A wafer is as small as a plate's rounding: its places differ by less than a millimetre.
+TEST(PlaceInWords, TellsPlacesOnSmallBodiesApart) {
+  EXPECT_EQ(place_in_words({0.123, -0.0502}), "(123, -50) mm");
+  EXPECT_EQ(place_in_words({0.004, 0.0021}), "(4.0, 2.1) mm");
+  EXPECT_EQ(place_in_words({0.000776, -0.0004}), "(0.78, -0.40) mm");
+  EXPECT_EQ(place_in_words({2e-6, 0.0}), "(0.002, 0.000) mm");
+  EXPECT_EQ(place_in_words({0.0, 0.0}), "(0, 0) mm");
 }
 
 }  // namespace

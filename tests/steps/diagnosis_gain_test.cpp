@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 namespace chladni::steps {
 namespace {
@@ -71,6 +72,7 @@ TEST(Gain, OfCausesThatNoStudyExpressesIsThatOfTheFittedModel) {
   const auto alone = gain({off_by(0.3, 0.24), {}, off_by(0.01, 0.02)});
   EXPECT_EQ(alone.from, steps::GainFrom::fitted_model);
   EXPECT_FALSE(alone.pays.has_value());
+  EXPECT_TRUE(alone.fitted_pays.value_or(false));
   EXPECT_NEAR(alone.fit_after, 0.01, 1e-12);
   EXPECT_EQ(steps::advice_against(alone), "");
   // One cause of two is in the extended study: both are known.
@@ -79,6 +81,13 @@ TEST(Gain, OfCausesThatNoStudyExpressesIsThatOfTheFittedModel) {
   EXPECT_NEAR(both.held_out_after, 0.02, 1e-12);
   EXPECT_NEAR(both.held_out_extended, 0.1, 1e-12);
   EXPECT_TRUE(both.pays.value_or(false));
+  EXPECT_TRUE(both.fitted_pays.value_or(false));
+  // Nearer to what was fitted and further from what was held out: it does not pay.
+  const auto worse = gain({off_by(0.3, 0.24), {}, off_by(0.01, 0.38)});
+  EXPECT_FALSE(worse.pays.has_value());
+  EXPECT_FALSE(worse.fitted_pays.value_or(true));
+  EXPECT_NE(steps::advice_against(worse), "");
+  EXPECT_FALSE(gain({off_by(0.3, 0.24), off_by(0.02, 0.03), {}}).fitted_pays.has_value());
 }
 
 // A sensor at 40 % of its size before and 10 % after, a block of lines at 20 and 10 %.
@@ -125,6 +134,12 @@ TEST(Gain, IsThatOfPartsInTurnWhereNothingIsHeldOut) {
 
   const auto loses = tested_in_turn(-3.0);  // more than half of what the lines gain
   EXPECT_FALSE(steps::gain_of(all_seen, {}, {}, predictions, &loses).pays.value_or(true));
+  const steps::Predictions reduced{off_by(0.3, 0.3), {}, off_by(0.1, 0.1)};
+  const auto fitted_pays = [&](const diagnosis::CrossValidation& tested) {
+    return steps::gain_of(all_seen, {}, {}, reduced, &tested).fitted_pays;
+  };
+  EXPECT_EQ(fitted_pays(pays), std::optional(true));
+  EXPECT_EQ(fitted_pays(loses), std::optional(false));
   // What is stated goes first.
   const auto stated = steps::gain_of(measured(), {}, {"s2"}, predictions, &pays);
   EXPECT_FALSE(stated.in_turn);

@@ -4,6 +4,7 @@
 
 #include "rotation/turn.h"
 #include "steps/diagnosis/beside_measured.h"
+#include "steps/diagnosis/responses_in_band.h"
 #include "tests/steps/told_diagnosis.h"
 
 namespace chladni::steps {
@@ -103,6 +104,7 @@ TEST_F(Told, ACauseThatNoStudyExpressesHasAGainWithoutAnotherSolution) {
       << show::diagnosis_table(one);
   EXPECT_EQ(one.gain.from, steps::GainFrom::fitted_model);
   EXPECT_FALSE(one.gain.pays.has_value());
+  EXPECT_TRUE(one.gain.fitted_pays.value_or(false));
   EXPECT_GT(one.gain.fit_before, 0.05);
   EXPECT_LT(one.gain.fit_after, 0.02);
   const auto json = io::Json(show::diagnosis_json(one));
@@ -152,6 +154,61 @@ TEST_F(Told, ARecordWithoutAUnitLeavesTheScaleOfTheOthers) {
   EXPECT_NEAR(level({"m", "", "m"}), 2.0, 0.02);
   EXPECT_NE(quiet.said().find("s2: no unit is stated"), std::string::npos) << quiet.said();
   EXPECT_NEAR(level({"", "", ""}), 1.0, 0.02);
+}
+
+// What is divided by the scale of the simulation is divided with its variances, of all kinds: the
+// part of them that is noise tells whether the structure is linear.
+TEST_F(Told, ANewScaleLeavesThePartThatIsNoise) {
+  const auto study = study_of({}, "\"sensor_gain\"");
+  app::QuietRun quiet(study, at("out"));
+  auto& work = quiet.run();
+  steps::Compared one;
+  one.before = stage::solved(stage::with_modes_for_diagnosis(study), work);
+  auto measured = steps::measured_frfs(study, work);
+  for (auto& value : measured.all.value) value *= 100.0;
+  for (auto& variance : measured.all.variance) variance *= 1e4;
+  for (const auto& variance : measured.all.variance) {
+    measured.all.noise_variance.emplace_back(0.8 * variance);
+  }
+  for (auto& channel : measured.all.outputs) channel.unit.clear();
+  ASSERT_FALSE(steps::compare_responses(study, measured, one, work).scaled);
+  for (const auto* set : {&one.measured.all, &one.seen}) {
+    for (std::size_t k = 0; k < set->value.size(); ++k) {
+      EXPECT_LT((set->noise_variance[k] - 0.8 * set->variance[k]).norm(),
+                1e-12 * set->variance[k].norm());
+    }
+  }
+}
+
+// As exporters write them: a line of full coherence has no variance, one that nobody excited no
+// response either.
+TEST_F(Told, AVarianceOfZeroIsThatOfTheNeighbours) {
+  const auto study = study_of({}, "\"sensor_gain\"");
+  app::QuietRun quiet(study, at("out"));
+  auto& work = quiet.run();
+  const auto measured = steps::measured_frfs(study, work);
+  auto zeros = measured;
+  zeros.all.variance[50](0, 1) = 0.0;
+  zeros.all.variance[70](1, 2) = 0.0;
+  zeros.all.value[70](1, 2) = 0.0;
+  const auto plan = steps::plan_of(study);
+  const auto all = steps::within_band(measured, study, plan, 500.0, work).all;
+  const auto some = steps::within_band(zeros, study, plan, 500.0, work).all;
+  ASSERT_EQ(some.value.size(), all.value.size());
+  EXPECT_TRUE(std::isnan(some.value[70](1, 2).real()));
+  EXPECT_EQ(some.value[50](0, 1), all.value[50](0, 1));
+  double least = HUGE_VAL, most = 0.0;
+  for (std::size_t k = 40; k <= 60; ++k) {
+    least = std::min(least, all.variance[k](0, 1));
+    most = std::max(most, all.variance[k](0, 1));
+  }
+  EXPECT_GT(some.variance[50](0, 1), least);
+  EXPECT_LT(some.variance[50](0, 1), most);
+  for (std::size_t k = 0; k < all.value.size(); ++k) {
+    if (k != 50 && k != 70) {
+      EXPECT_EQ(some.variance[k], all.variance[k]) << k;
+    }
+  }
 }
 
 TEST_F(Told, CtrlCIsNoNote) {

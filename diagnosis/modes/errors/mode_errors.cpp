@@ -281,6 +281,12 @@ void doubt(Rows& rows, const Place& place, const Disturbed& disturbed) {
   rows.doubt(row + 1, 1.0);
 }
 
+// The relative error that the mesh makes of the frequency of a motion.
+double mesh_error(const Structure& structure, const VectorXd& motion) {
+  if (structure.frequency_error.size() == 0) return 0.0;
+  return motion.cwiseProduct(structure.frequency_error.head(motion.size())).norm();
+}
+
 // The numbers of a mode that has a partner.
 ModeBlock paired(const Scene& scene, Index i, const std::vector<Index>& span,
                  const Disturbed& disturbed) {
@@ -291,8 +297,10 @@ ModeBlock paired(const Scene& scene, Index i, const std::vector<Index>& span,
   const VectorXd motion = model.motion * other.parts;
   Rows rows(most_rows(measured), columns.count(), static_cast<Index>(near.size()),
             scene.smooth.cols());
+  const double frequency_noise =
+      std::hypot(measured.frequency_std(i), mesh_error(structure, model.motion.col(k)));
   const Index frequency = rows.add(std::log(measured.frequency_hz(i) / model.frequency_hz(k)),
-                                   measured.frequency_std(i), of(ErrorClass::frequency));
+                                   frequency_noise, of(ErrorClass::frequency));
   for (std::size_t b = 0; b < changes.size(); ++b) {
     rows.shared(frequency, columns.of_body(static_cast<Index>(b))) =
         changes[b].frequency.dot(other.parts.cwiseAbs2());
@@ -346,17 +354,8 @@ ModeBlock alone(const Scene& scene, Index i) {
   return rows.taken();
 }
 
-// How well one side sees a mode: 1, down to 0 where it hardly does. A side without measured shapes
-// tells nothing of it.
-double visibility(const Eigen::MatrixXcd& measured, const MatrixXd& shapes, Index k, double unit) {
-  if (measured.rows() == 0 || shapes.rows() == 0) return 1.0;
-  const double seen = kConstants.blindest * shapes.col(k).norm() /
-                      (unit * std::sqrt(static_cast<double>(shapes.rows())));
-  return seen * seen / (1.0 + seen * seen);
-}
-
 // Modes of the model between the lowest and the highest measured one that no measured mode has. One
-// that the channels do not see is missed by nobody.
+// that the channels do not see is missed by nobody; a side without measured shapes sees all.
 double unseen(const Scene& scene, const Matching& matching) {
   const auto& hz = scene.measured.frequency_hz;
   double count = 0.0;
@@ -364,8 +363,11 @@ double unseen(const Scene& scene, const Matching& matching) {
     const double own = scene.model.frequency_hz(k);
     if (own <= hz(0) || own >= hz(hz.size() - 1)) continue;
     if (std::ranges::find(matching.model, k) != matching.model.end()) continue;
-    count += visibility(scene.measured.output_shapes, scene.model.outputs, k, scene.units.outputs) *
-             visibility(scene.measured.input_shapes, scene.model.inputs, k, scene.units.inputs);
+    const auto seen = [k](const Eigen::MatrixXcd& by, const MatrixXd& shapes, double unit) {
+      return by.rows() == 0 ? 1.0 : visibility(shapes.col(k), unit);
+    };
+    count += seen(scene.measured.output_shapes, scene.model.outputs, scene.units.outputs) *
+             seen(scene.measured.input_shapes, scene.model.inputs, scene.units.inputs);
   }
   return count;
 }

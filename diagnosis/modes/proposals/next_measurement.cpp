@@ -16,14 +16,34 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using What = Proposal::What;
 
-// −ln Σ v exp(−s) over the rivals with their shares.
+// The rivals that matter: the likeliest ones, which share all of what the first explanation leaves
+// but Constants::next_tail. A measurement that settles the others is not idle for what it cannot.
+std::vector<const Explained*> rivals_that_matter(const std::vector<Explained>& all) {
+  std::vector<const Explained*> rivals;
+  double weights = 0.0;
+  for (std::size_t b = 1; b < all.size(); ++b) {
+    rivals.push_back(&all[b]);
+    weights += all[b].weighed.probability;
+  }
+  std::ranges::stable_sort(rivals, std::ranges::greater{},
+                           [](const Explained* one) { return one->weighed.probability; });
+  double left = weights;
+  std::size_t count = 0;
+  while (count < rivals.size() && (count == 0 || left > kConstants.next_tail * weights)) {
+    left -= rivals[count++]->weighed.probability;
+  }
+  rivals.resize(count);
+  return rivals;
+}
+
+// −ln Σ v exp(−s) over these rivals with their shares.
 template <class Separation>
 double evidence_of(const std::vector<Explained>& all, const Separation& between) {
   double left = 0.0;
   double weights = 0.0;
-  for (std::size_t b = 1; b < all.size(); ++b) {
-    const double weight = std::max(all[b].weighed.probability, 1e-12);
-    left += weight * std::exp(-between(all.front(), all[b]));
+  for (const auto* rival : rivals_that_matter(all)) {
+    const double weight = std::max(rival->weighed.probability, 1e-12);
+    left += weight * std::exp(-between(all.front(), *rival));
     weights += weight;
   }
   return weights > 0.0 ? -std::log(std::max(left / weights, 1e-300)) : 0.0;

@@ -8,6 +8,7 @@
 #include "base/draw.h"
 #include "diagnosis/fit/deviations.h"
 #include "diagnosis/fit/fit.h"
+#include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/small_plate.h"
 
 namespace chladni::diagnosis {

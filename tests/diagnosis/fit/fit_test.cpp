@@ -8,6 +8,7 @@
 
 #include "diagnosis/fit/deviations.h"
 #include "diagnosis/fit/information.h"
+#include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/search/quadratic.h"
 #include "diagnosis/small_plate.h"
 
@@ -35,6 +36,26 @@ TEST(Sensitivities, AreOneSidedOnTheRim) {
       EXPECT_LT((on - off).col(column).norm(), 0.05 * off.col(column).norm()) << column;
     }
   }
+}
+
+// Beside causes the slopes of the deviations alone are those of all, column by column.
+TEST(Sensitivities, OfTheDeviationsAloneAreTheLastOfAll) {
+  const auto& plate = small_plate();
+  Tolerances some = no_tolerances();
+  some.gain = 5e-3;
+  some.modulus = 5e-3;
+  const auto free = deviations(plate, some, 800.0);
+  const Observed observed = observed_in(state_of(plate), 1.0);
+  const Problem problem{plate, observed, free};
+  const std::vector<Supposed> causes{{&effect("point_mass"), 0, Eigen::Vector3d(0.6, 0.1, 0.07)},
+                                     {&effect("sensor_gain"), 1, VectorXd::Constant(1, 0.7)}};
+  const VectorXd eta = VectorXd::LinSpaced(std::ssize(free), -1.0, 1.0);
+  const State state = state_of(problem, causes, eta);
+  const Solved now = solved(state, Body(state, observed.omega));
+  const MatrixXd all = sensitivities(problem, causes, eta, now);
+  ASSERT_EQ(all.cols(), 4 + eta.size());
+  EXPECT_EQ(sensitivities_of_deviations(problem, causes, eta, now),
+            MatrixXd(all.rightCols(eta.size())));
 }
 
 // What hangs beyond the rim: its mass moved outward along the slope of the shapes.

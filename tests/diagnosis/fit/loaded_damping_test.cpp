@@ -11,6 +11,7 @@
 #include "diagnosis/diagnosed.h"
 #include "diagnosis/fit/deviations.h"
 #include "diagnosis/fit/fit.h"
+#include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/small_plate.h"
 #include "rotation/turn.h"
 #include "simulators/tables/loaded_table.h"

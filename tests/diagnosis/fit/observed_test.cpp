@@ -91,6 +91,26 @@ TEST(ModelVariance, IsThatOfTheLevelsOfTheChannelsWhateverIsMissing) {
   }
 }
 
+// Two responses of each channel were measured, and the levels are 40 : 1. They follow from the
+// measured ones alone, however many rounds that takes.
+TEST(ModelVariance, IsThatOfTheLevelsAlsoWhereTheseAreFarApart) {
+  Observed observed;
+  observed.outputs = observed.inputs = 3;
+  observed.omega = Eigen::VectorXd::Constant(1, 10.0);
+  const Eigen::Vector3d levels(1.0, std::sqrt(40.0), 40.0);
+  const Eigen::MatrixXd level = levels * levels.transpose();
+  observed.value = level.cast<std::complex<double>>().reshaped().transpose();
+  observed.weight.setOnes(1, 9);
+  for (const Index c : {0, 5, 7}) observed.weight(0, c) = 0.0;
+  const Eigen::MatrixXd found = model_variance(observed, 0.01);
+  for (Index c = 0; c < 9; ++c) {
+    const double power = 1e-4 * std::pow(level.reshaped()(c), 2);
+    if (observed.weight(0, c) > 0.0) {
+      EXPECT_NEAR(found(0, c), power, 1e-3 * power) << c;
+    }
+  }
+}
+
 TEST(ModelVariance, IsOfTheMeansOfCompleteData) {
   Observed observed;
   observed.outputs = observed.inputs = 2;

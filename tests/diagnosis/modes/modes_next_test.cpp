@@ -147,6 +147,31 @@ TEST(NextMeasurement, WeighsWhatIsSoftOrHeavy) {
   EXPECT_EQ(found.proposals.front().what, What::mass) << found.measure_next;
 }
 
+// Scales settle nearly all of the doubt; a third explanation of little weight weighs the same as
+// the first.
+TEST(NextMeasurement, WeighsBesideARivalOfLittleWeight) {
+  const auto modes = modes_with({{"youngs_modulus", 0, VectorXd::Constant(1, 0.06)}}, 1);
+  const ModesProblem problem(small_plate(), modes, Tolerances{}, true);
+  const auto fit = [&](std::string_view name, const VectorXd& x) {
+    ModesFit start = problem.nothing();
+    start.causes.push_back({&effect(name), 0, x});
+    return problem.fitted(start);
+  };
+  const auto stiffer = fit("youngs_modulus", VectorXd::Constant(1, 0.06));
+  const auto lighter = fit("density", VectorXd::Constant(1, -0.06));
+  auto other = stiffer;
+  other.log_evidence -= 3.0;
+  const auto proposed = [&](double of_other) {
+    const auto all = next_measurements(
+        problem, {{&stiffer, 0.52 - of_other}, {&lighter, 0.48}, {&other, of_other}},
+        MeasurementCosts{});
+    return std::ranges::find(all, What::weighing, &Proposal::what) != all.end();
+  };
+  EXPECT_TRUE(proposed(0.0));
+  EXPECT_TRUE(proposed(0.03));
+  EXPECT_FALSE(proposed(0.25));
+}
+
 TEST(NextMeasurement, TakesTheCostsOfTheUser) {
   const auto modes = modes_with({{"density", 0, VectorXd::Constant(1, 0.12)}}, 1);
   const MeasurementCosts costs{.mass = 20.0, .weighing = 0.1};

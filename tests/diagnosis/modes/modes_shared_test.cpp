@@ -2,6 +2,7 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <string>
@@ -159,6 +160,23 @@ TEST(ExchangedChannels, AreAsProbableAsTheyWereInOrder) {
     EXPECT_GT(objective(loaded()), in_order + 10.0) << option;
     measured.output_shapes = shapes;
     measured.output_std = before;
+  }
+}
+
+// What the mesh makes of a frequency is an error of that mode, beside its noise.
+TEST(ErrorsOfTheMesh, WidenTheirOwnFrequencies) {
+  Structure coarse = small_plate();
+  coarse.frequency_error = VectorXd::Zero(coarse.mode_count());
+  coarse.frequency_error(coarse.rigid_count + 3) = 0.04;
+  const auto model = modes_of(state_of(coarse));
+  auto measured = measured_of(model, 0.02);
+  measured.frequency_std.setConstant(0.003);
+  const auto matching = matched_by_shape(measured, model);
+  const auto errors = mode_errors(coarse, measured, model, some_units(), matching, {},
+                                  smooth_factor(coarse), {}, false);
+  for (std::size_t i = 0; i < errors.blocks.size(); ++i) {
+    const double expected = matching.model[i] == 3 ? std::hypot(0.04, 0.003) : 0.003;
+    EXPECT_NEAR(errors.blocks[i].noise(0), expected, 1e-9) << i;
   }
 }
 
