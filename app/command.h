@@ -45,6 +45,17 @@ struct NewStudy {
 };
 [[nodiscard]] int new_study(const NewStudy& wanted, std::ostream& results);
 [[nodiscard]] int cache(bool clear, bool json, std::ostream& results);
+/// What the command line says of figures for a paper.
+struct Figures {
+  std::filesystem::path results;   ///< a folder that a verb left, or a result within it
+  std::vector<std::string> names;  ///< empty: all that can be drawn
+  std::filesystem::path output;    ///< folder; empty: that of the results
+  std::vector<std::string> formats{"svg", "png"};
+  double width_mm = 160.0;
+  double dpi = 300.0;  ///< of PNG [1/inch]
+  bool list = false, json = false;
+};
+[[nodiscard]] int figure(const Figures& asked, std::ostream& results);
 /// @param unit  of what is read, where it states none
 /// @param hdf5  a .mat becomes version 7.3
 [[nodiscard]] int convert(const std::filesystem::path& from, const std::filesystem::path& to,

@@ -172,7 +172,26 @@ struct OtherVerbs {
   std::filesystem::path from, to;
   bool force = false, hdf5 = false, clear = false, json = false;
   app::NewStudy fresh;
+  app::Figures figures;
 };
+
+void add_figure_verb(CLI::App& cli, app::Figures& asked, show::Talk& talk, int& status) {
+  auto* verb = cli.add_subcommand("figure", "figures for a paper from results, solving nothing");
+  verb->add_option("RESULTS", asked.results, "a folder that a verb left, or a result within it")
+      ->required();
+  verb->add_option("NAME", asked.names, "the figures to draw [all]");
+  verb->add_option("-o,--output", asked.output, "folder for the figures [RESULTS]");
+  verb->add_flag("--list", asked.list, "what can be drawn from what is there; draws nothing");
+  verb->add_option("--width", asked.width_mm, "[mm] of each figure on paper [160]")
+      ->check(CLI::Range(40.0, 400.0));
+  verb->add_option("--format", asked.formats, "svg, png or both [svg,png]")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"svg", "png"}));
+  verb->add_option("--dpi", asked.dpi, "of PNG [300]")->check(CLI::Range(50.0, 1200.0));
+  verb->add_flag("--json", asked.json, "the result as JSON on the standard output");
+  const auto drawn = [&] { return app::figure(asked, std::cout); };
+  verb->callback([&, drawn] { status = guarded(talk, drawn, {.json = asked.json}); });
+}
 
 void add_other_verbs(CLI::App& cli, OtherVerbs& other, show::Talk& talk, int& status) {
   auto* convert =
@@ -199,6 +218,7 @@ void add_other_verbs(CLI::App& cli, OtherVerbs& other, show::Talk& talk, int& st
   fresh->add_option("-o,--output", other.fresh.output, "the study to write [WHAT.toml]");
   fresh->callback(
       [&] { status = guarded(talk, [&] { return app::new_study(other.fresh, std::cout); }); });
+  add_figure_verb(cli, other.figures, talk, status);
   auto* list = cli.add_subcommand("list", "what there is to choose from, with sources");
   list->add_option("WHAT", other.what, "what")->required()->check(CLI::IsMember(app::listable()));
   list->callback([&] { status = guarded(talk, [&] { return app::list(other.what, std::cout); }); });

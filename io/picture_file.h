@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <future>
+#include <optional>
 #include <semaphore>
 #include <vector>
 
@@ -39,12 +40,28 @@ class PaintQueue {
   std::vector<Job> jobs_;
 };
 
+/// How plots are printed on paper: without a title, which belongs into the caption.
+struct Print {
+  double width_mm = 160.0;
+  double dpi = 300.0;  ///< of the PNG [1/inch]
+  bool svg = true, png = true;
+};
+
 /// A file for one picture. Without a queue the picture is there when it was drawn, with one when
 /// the queue has finished.
 class PictureFile {
  public:
   /// @param vectors  what can be drawn by lines is also left as an SVG of that name
   PictureFile(std::filesystem::path png, PaintQueue* queue = nullptr, bool vectors = false);
+
+  /// For paper: what can be drawn by lines is laid out for the width of `print`, so that its words
+  /// have 7 to 8 pt, and is left as an SVG, a PNG or both. Pictures of a body stay as they are.
+  PictureFile(std::filesystem::path png, PaintQueue* queue, const Print& print);
+
+  /// None: for the screen.
+  [[nodiscard]] const std::optional<Print>& print() const { return print_; }
+  /// Width of the layout [px]: `usual` on the screen, two pixels for each point on paper.
+  [[nodiscard]] double layout_width(double usual) const;
 
   /// @throws what `picture` throws, if there is no queue
   void paint(Picture picture) const;
@@ -55,6 +72,7 @@ class PictureFile {
   std::filesystem::path png_;
   PaintQueue* queue_;
   bool vectors_;
+  std::optional<Print> print_;
 };
 
 }  // namespace chladni::io

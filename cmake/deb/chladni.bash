@@ -15,7 +15,7 @@ _chladni() {
   else
     compopt -o filenames 2>/dev/null
     local pattern='!*.toml'
-    [[ $verb == convert || $verb == check ]] && pattern=''
+    [[ $verb == convert || $verb == check || $verb == figure ]] && pattern=''
     mapfile -t COMPREPLY < <(compgen -d -- "$word"; compgen -f -X "$pattern" -- "$word")
     return
   fi

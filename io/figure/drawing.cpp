@@ -1,5 +1,7 @@
 #include "io/figure/drawing.h"
 
+#include <cmath>
+
 namespace chladni::io {
 namespace {
 
@@ -20,7 +22,7 @@ void Drawing::text(const Eigen::Vector2d& at, const std::string& words, double s
   if (!words.empty()) texts_.push_back({at, words, size, colour, align, bold, upwards});
 }
 
-Message Drawing::request() const {
+Message Drawing::request(double finer) const {
   Message request;
   JsonArray shapes;
   std::vector<Eigen::Vector2d> places;
@@ -28,7 +30,7 @@ Message Drawing::request() const {
   for (const auto& shape : shapes_) {
     shapes.emplace_back(JsonObject{{"kind", shape.filled ? "polygons" : "lines"},
                                    {"colour", colour_json(shape.colour)},
-                                   {"width", shape.width},
+                                   {"width", finer * shape.width},
                                    {"paths", static_cast<long>(shape.paths.size())}});
     for (const auto& path : shape.paths) {
       sizes.push_back(static_cast<std::int32_t>(path.size()));
@@ -38,27 +40,27 @@ Message Drawing::request() const {
   auto& points = request.doubles["points"];
   points.resize(std::ssize(places), 2);
   for (std::size_t p = 0; p < places.size(); ++p) {
-    points.row(static_cast<Eigen::Index>(p)) = places[p].transpose();
+    points.row(static_cast<Eigen::Index>(p)) = finer * places[p].transpose();
   }
   auto& counts = request.integers["counts"];
   counts.resize(std::ssize(sizes), 1);
   for (std::size_t c = 0; c < sizes.size(); ++c) counts(static_cast<Eigen::Index>(c)) = sizes[c];
   request.head = JsonObject{{"kind", "drawing"},
-                            {"width", width_},
-                            {"height", height_},
+                            {"width", std::ceil(finer * width_)},
+                            {"height", std::ceil(finer * height_)},
                             {"shapes", shapes},
-                            {"texts", texts_json()}};
+                            {"texts", texts_json(finer)}};
   return request;
 }
 
-JsonArray Drawing::texts_json() const {
+JsonArray Drawing::texts_json(double finer) const {
   constexpr const char* aligns[] = {"left", "centre", "right"};
   JsonArray texts;
   for (const auto& text : texts_) {
-    texts.emplace_back(JsonObject{{"x", text.at.x()},
-                                  {"y", text.at.y()},
+    texts.emplace_back(JsonObject{{"x", finer * text.at.x()},
+                                  {"y", finer * text.at.y()},
                                   {"words", text.words},
-                                  {"size", text.size},
+                                  {"size", finer * text.size},
                                   {"colour", colour_json(text.colour)},
                                   {"align", aligns[static_cast<int>(text.align)]},
                                   {"bold", text.bold ? 1 : 0},

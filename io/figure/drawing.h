@@ -29,9 +29,12 @@ class Drawing {
             Align align = Align::left, bool bold = false, bool upwards = false);
 
   /// The request to the painter (io/picture/pictures.h, `drawing`).
-  [[nodiscard]] Message request() const;
+  /// @param finer  pixels of the picture for one of the drawing
+  [[nodiscard]] Message request(double finer = 1.0) const;
   /// The same as SVG 1.1, on white, words as text. Coordinates are rounded to 0.01 px.
-  [[nodiscard]] std::string svg() const;
+  /// @param width_mm  of the whole on paper; 0: one pixel of a screen for each
+  [[nodiscard]] std::string svg(double width_mm = 0.0) const;
+  [[nodiscard]] double width() const { return width_; }
 
  private:
   struct Shape {
@@ -49,7 +52,7 @@ class Drawing {
     bool bold = false, upwards = false;
   };
 
-  [[nodiscard]] JsonArray texts_json() const;
+  [[nodiscard]] JsonArray texts_json(double finer) const;
 
   double width_, height_;
   std::vector<Shape> shapes_;

@@ -45,16 +45,19 @@ std::string path_text(const std::vector<Drawing::Path>& paths, bool closed) {
 
 }  // namespace
 
-std::string Drawing::svg() const {
+std::string Drawing::svg(double width_mm) const {
   constexpr const char* anchors[] = {"start", "middle", "end"};
   const auto width = number(width_);
   const auto height = number(height_);
+  const auto on_paper = [&](double pixels) {
+    return width_mm > 0.0 ? number(width_mm * pixels / width_) + "mm" : number(pixels);
+  };
   std::string text = fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"{0}\" height=\"{1}\" "
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"{2}\" height=\"{3}\" "
       "viewBox=\"0 0 {0} {1}\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n"
       "<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n",
-      width, height);
+      width, height, on_paper(width_), on_paper(height_));
   const auto out = std::back_inserter(text);
   for (const auto& shape : shapes_) {
     const auto colour = colour_text(shape.colour);

@@ -24,6 +24,7 @@ struct MatrixSheet {
   double width, height;
   Place corner;         // of the first square
   double square, text;  // side of a square; size of the numbers in it (0: none)
+  double head;          // height of the title
   double column_names;  // height of the names above the columns
 };
 
@@ -57,12 +58,13 @@ double widest_number(const MatrixPicture& of) {
   return width;
 }
 
-MatrixSheet matrix_sheet(const MatrixPicture& of) {
+MatrixSheet matrix_sheet(const MatrixPicture& of, const PictureFile& file) {
   MatrixSheet sheet{};
-  sheet.width = of.value.cols() > 24 ? 1400.0 : 1000.0;
+  sheet.width = file.layout_width(of.value.cols() > 24 ? 1400.0 : 1000.0);
+  sheet.head = file.print() || of.title.empty() ? 4.0 : kHead;
   sheet.column_names = widest(of.columns) + 8.0;
   const double left = kMatrixMargin + 26.0 + widest(of.rows) + 10.0;
-  sheet.corner = Place(left, kHead + 26.0 + sheet.column_names);
+  sheet.corner = Place(left, sheet.head + 26.0 + sheet.column_names);
   const double room = sheet.width - left - kMatrixMargin;
   sheet.square = std::min({kLargest, room / static_cast<double>(of.value.cols()),
                            kTallest / static_cast<double>(of.value.rows())});
@@ -111,7 +113,7 @@ void paint_names(Drawing& drawing, const MatrixPicture& of, const MatrixSheet& s
   }
   const Place whole = sheet.square * Place(static_cast<double>(of.value.cols()),
                                            static_cast<double>(of.value.rows()));
-  drawing.text({sheet.corner(0) + 0.5 * whole(0), kHead + 14.0}, of.column_label, kMatrixLabel,
+  drawing.text({sheet.corner(0) + 0.5 * whole(0), sheet.head + 14.0}, of.column_label, kMatrixLabel,
                kMatrixInk, Drawing::Align::centre);
   drawing.text({kMatrixMargin + 12.0, sheet.corner(1) + 0.5 * whole(1)}, of.row_label, kMatrixLabel,
                kMatrixInk, Drawing::Align::centre, false, true);
@@ -121,16 +123,15 @@ void paint_names(Drawing& drawing, const MatrixPicture& of, const MatrixSheet& s
 
 void draw_matrix(const PictureFile& png, const MatrixPicture& picture) {
   check(picture);
-  const MatrixSheet sheet = matrix_sheet(picture);
+  const std::string title = png.print() ? "" : picture.title;  // on paper it is in the caption
+  const MatrixSheet sheet = matrix_sheet(picture, png);
   Drawing drawing(sheet.width, sheet.height);
   double size = 24.0;
-  while (size > 14.0 && text_width(picture.title, size) > sheet.width - 2.0 * kMatrixMargin)
-    size -= 1.0;
-  drawing.text({kMatrixMargin, 40.0}, picture.title, size, kMatrixInk, Drawing::Align::left, true);
+  while (size > 14.0 && text_width(title, size) > sheet.width - 2.0 * kMatrixMargin) size -= 1.0;
+  drawing.text({kMatrixMargin, 40.0}, title, size, kMatrixInk, Drawing::Align::left, true);
   paint_squares(drawing, picture, sheet);
   paint_names(drawing, picture, sheet);
-  png.leave_vectors([&] { return drawing.svg(); });
-  png.paint([request = drawing.request()] { return painted(request); });
+  leave_drawing(png, drawing);
 }
 
 }  // namespace chladni::io

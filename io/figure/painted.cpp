@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <string_view>
@@ -30,6 +33,38 @@ std::filesystem::path program_on_path(const std::string& name) {
   return {};
 }
 
+void append_word(std::string& bytes, std::uint32_t value) {
+  for (const unsigned shift : {24U, 16U, 8U, 0U}) {
+    bytes += static_cast<char>((value >> shift) & 0xFFU);
+  }
+}
+
+// Checksum of a chunk, ISO/IEC 15948, annex D.
+std::uint32_t checksum(std::string_view bytes) {
+  std::uint32_t crc = 0xFFFFFFFFU;
+  for (const char c : bytes) {
+    crc ^= static_cast<unsigned char>(c);
+    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1U) ^ ((crc & 1U) != 0 ? 0xEDB88320U : 0U);
+  }
+  return ~crc;
+}
+
+// The PNG with its resolution (chunk pHYs), which stands behind the header of 33 bytes.
+std::string with_resolution(std::string png, double dpi) {
+  constexpr std::size_t kHeader = 33;
+  require(png.size() > kHeader, "a PNG without a header");
+  const auto per_metre = static_cast<std::uint32_t>(std::lround(dpi / 0.0254));
+  std::string content = "pHYs";
+  append_word(content, per_metre);
+  append_word(content, per_metre);
+  content += '\1';  // the unit is the metre
+  std::string chunk;
+  append_word(chunk, 9);
+  chunk += content;
+  append_word(chunk, checksum(content));
+  return png.insert(kHeader, chunk);
+}
+
 }  // namespace
 
 // Where Xvfb is installed, the painter uses Mesa's software renderer on an Xvfb, so the pixels are
@@ -52,6 +87,19 @@ std::string painted(const Message& request) {
         " bytes that are no PNG; is it of this build? (" + painter.string() + ")");
   }
   return png;
+}
+
+void leave_drawing(const PictureFile& file, const Drawing& drawing) {
+  const auto& print = file.print();
+  file.leave_vectors([&] { return drawing.svg(print ? print->width_mm : 0.0); });
+  if (!print) {
+    file.paint([request = drawing.request()] { return painted(request); });
+  } else if (print->png) {
+    const double finer = print->width_mm / 25.4 * print->dpi / drawing.width();
+    file.paint([request = drawing.request(finer), dpi = print->dpi] {
+      return with_resolution(painted(request), dpi);
+    });
+  }
 }
 
 }  // namespace chladni::io

@@ -42,6 +42,14 @@ std::vector<PaintQueue::Painted> PaintQueue::finish() {
 PictureFile::PictureFile(std::filesystem::path png, PaintQueue* queue, bool vectors)
     : png_(std::move(png)), queue_(queue), vectors_(vectors) {}
 
+PictureFile::PictureFile(std::filesystem::path png, PaintQueue* queue, const Print& print)
+    : png_(std::move(png)), queue_(queue), vectors_(print.svg), print_(print) {}
+
+double PictureFile::layout_width(double usual) const {
+  constexpr double kPixelsPerPoint = 2.0, kPointsPerMm = 72.0 / 25.4;
+  return print_ ? kPixelsPerPoint * kPointsPerMm * print_->width_mm : usual;
+}
+
 void PictureFile::leave_vectors(const std::function<std::string()>& svg) const {
   if (vectors_) write_atomically(std::filesystem::path(png_).replace_extension(".svg"), svg());
 }

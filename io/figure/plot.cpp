@@ -250,8 +250,9 @@ std::vector<Entry> legend_of(const Plot& plot, double top, double width) {
   return entries;
 }
 
-double width_of(const Plot& plot) {
-  return plot.columns > 2 || (plot.columns <= 0 && plot.panels.size() > 4) ? 1400.0 : 1000.0;
+double width_of(const Plot& plot, const PictureFile& file) {
+  const bool wide = plot.columns > 2 || (plot.columns <= 0 && plot.panels.size() > 4);
+  return file.layout_width(wide ? 1400.0 : 1000.0);
 }
 
 void check(const Plot& plot) {
@@ -286,13 +287,20 @@ bool has_own_label(const Plot& plot, int columns, int p) {
   return p % columns == 0 || plot.panels[panel].y.label != plot.panels[panel - 1].y.label;
 }
 
-Sheet sheet_of(const Plot& plot, double below_legend) {
+// On paper as many columns as there is room for, 230 px for a panel.
+int most_columns(double width, const PictureFile& file) {
+  if (!file.print()) return 8;
+  return std::max(1, static_cast<int>((width - Sheet::kLeft - kMargin + 74.0) / (230.0 + 74.0)));
+}
+
+Sheet sheet_of(const Plot& plot, double width, int most_columns, double below_legend) {
   const int count = static_cast<int>(plot.panels.size());
   const int even = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count))));
   Sheet sheet;
   sheet.columns = std::clamp(plot.columns > 0 ? plot.columns : std::min(even, 4), 1, 8);
+  sheet.columns = std::min(sheet.columns, most_columns);
   sheet.rows = (count + sheet.columns - 1) / sheet.columns;
-  sheet.width = width_of(plot);
+  sheet.width = width;
   for (int p = 0; p < count; ++p) {
     const bool inside = p % sheet.columns != 0;
     if (inside && has_own_label(plot, sheet.columns, p)) sheet.gap = Sheet::kGapWithLabel;
@@ -325,17 +333,19 @@ void paint_labels(Drawing& drawing, const Plot& plot, const Sheet& sheet, int p)
 
 void draw_plot(const PictureFile& png, const Plot& plot) {
   check(plot);
-  const double head = plot.title.empty() ? 16.0 : 60.0;
-  const auto legend = legend_of(plot, head + 20.0, width_of(plot));
+  const std::string title = png.print() ? "" : plot.title;  // on paper it is in the caption
+  const double width = width_of(plot, png);
+  const double head = title.empty() ? 16.0 : 60.0;
+  const auto legend = legend_of(plot, head + 20.0, width);
   const bool titled = std::any_of(plot.panels.begin(), plot.panels.end(),
                                   [](const PlotPanel& panel) { return !panel.title.empty(); });
   const double below =
       (legend.empty() ? head : legend.back().at.y() + 8.0) + (titled ? 34.0 : 16.0);
-  const Sheet sheet = sheet_of(plot, below);
+  const Sheet sheet = sheet_of(plot, width, most_columns(width, png), below);
   Drawing drawing(sheet.width, sheet.height);
   double size = kTitle;
-  while (size > 14.0 && text_width(plot.title, size) > sheet.width - 2.0 * kMargin) size -= 1.0;
-  drawing.text({kMargin, 40.0}, plot.title, size, kInk, Drawing::Align::left, true);
+  while (size > 14.0 && text_width(title, size) > sheet.width - 2.0 * kMargin) size -= 1.0;
+  drawing.text({kMargin, 40.0}, title, size, kInk, Drawing::Align::left, true);
   for (const auto& entry : legend) {
     paint_sample(drawing, *entry.series, entry.at - Place(0.0, 6.0));
     drawing.text(entry.at + Place(38.0, 0.0), entry.series->name, kLegend, kInk);
@@ -347,8 +357,7 @@ void draw_plot(const PictureFile& png, const Plot& plot) {
     paint_panel(drawing, plot.panels[static_cast<std::size_t>(p)], frame);
     paint_labels(drawing, plot, sheet, p);
   }
-  png.leave_vectors([&] { return drawing.svg(); });
-  png.paint([request = drawing.request()] { return painted(request); });
+  leave_drawing(png, drawing);
 }
 
 }  // namespace chladni::io
