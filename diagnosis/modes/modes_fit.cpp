@@ -14,6 +14,7 @@
 #include "diagnosis/constants.h"
 #include "diagnosis/modes/calibration/calibration.h"
 #include "diagnosis/modes/calibration/coordinates.h"
+#include "diagnosis/modes/cause_modes.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -24,6 +25,8 @@ using Eigen::VectorXd;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kLevelRounds = 4;  // of levels alone, at the end
+// Square of the distance of two steps, over that of one, below which they are the same one.
+constexpr double kSameStep = 0.01;
 
 // Measured modes without a partner.
 Index alone(const Matching& of) { return std::ranges::count(of.model, Index{-1}); }
@@ -35,13 +38,14 @@ class Descent {
       : problem_(problem),
         fit_(std::move(start)),
         all_(supposed(problem.constants(), fit_.constants, fit_.causes)),
-        prior_(prior_of(problem.structure(), problem.constants(), all_)) {}
+        prior_(prior_of(problem.structure(), problem.constants(), all_)),
+        modes_(problem) {}
 
   enum class Pairs { probable, given };  // given: those of the start
 
   // False: the start is impossible.
   bool begin(Pairs pairs) {
-    auto model = modes(all_);
+    auto model = modes_.of(all_);
     if (!model || !std::isfinite(log_prior_of(all_))) return false;
     fit_.model = std::move(*model);
     fit_.objective = kInfinite;
@@ -57,13 +61,14 @@ class Descent {
   }
 
   void learn() {
+    if (problem_.prior().width <= 0.0) return;
     fit_.levels = updated(fit_.levels, problem_.prior(), evidence());
     take({likelihood_->errors(), fit_.levels});
   }
 
   // Levels alone, beside sizes that stay where they are.
   void settle(int rounds) {
-    if (prior_.centre.size() > 0) slope_ = slopes();
+    if (prior_.centre.size() > 0) slope_ = slopes(Of::errors).errors;
     for (int round = 0; round < rounds; ++round) learn();
   }
 
@@ -174,69 +179,48 @@ class Descent {
     return LevelLikelihood(std::move(errors), fit_.levels).evidence();
   }
 
-  // The change that each cause makes to a state.
-  using Changes = std::vector<std::function<void(State&)>>;
-
-  [[nodiscard]] std::optional<RecordedModes> after(const Changes& changes) const {
-    State state = state_of(problem_.structure());
-    for (const auto& change : changes) change(state);
-    return problem_.modes(state, false);
-  }
-  [[nodiscard]] std::optional<RecordedModes> modes(const std::vector<Supposed>& causes) const {
-    try {
-      Changes changes;
-      for (const auto& cause : causes) changes.push_back(change_of(cause, problem_.structure()));
-      return after(changes);
-    } catch (const NumericalFailure&) {
-      return std::nullopt;
-    }
-  }
-  // Modes where only the cause of coordinate c differs from the present causes, whose changes are
-  // known.
-  [[nodiscard]] std::optional<RecordedModes> modes_with(const std::vector<Supposed>& causes,
-                                                        Index c) const {
-    std::size_t which = 0;
-    for (Index first = causes[0].x.size(); first <= c; first += causes[++which].x.size()) {
-    }
-    try {
-      auto changes = changes_;
-      changes[which] = change_of(causes[which], problem_.structure());
-      return after(changes);
-    } catch (const NumericalFailure&) {
-      return std::nullopt;
-    }
-  }
-
   // Errors at other sizes with the present pairs; none where the numbers are not the same ones.
-  [[nodiscard]] std::optional<ModeErrors> errors_at(const RecordedModes& model) const {
+  [[nodiscard]] std::optional<ModeErrors> errors_at(const RecordedModes& model,
+                                                    bool with_shared) const {
     if (model.count() != fit_.model.count()) return std::nullopt;
-    auto there = problem_.errors(fit_, model, fit_.matching);
-    if (stacked(there).size() != own_.size()) return std::nullopt;
+    auto there = problem_.errors(fit_, model, fit_.matching, with_shared);
+    if (numbers(there) != own_.size()) return std::nullopt;
     return there;
   }
-
-  // d(measured less model)/dx with the present pairs, and the slope of the likelihood, whose
-  // covariance changes with x too.
-  [[nodiscard]] MatrixXd slopes() {
-    changes_.clear();
-    for (const auto& cause : all_) {
-      changes_.push_back(change_of(cause, problem_.structure()));
+  [[nodiscard]] std::optional<LevelLikelihood> likelihood_of(ModeErrors errors) const {
+    try {
+      return LevelLikelihood(std::move(errors), fit_.levels);
+    } catch (const NumericalFailure&) {
+      return std::nullopt;  // sizes at which a covariance is none
     }
-    MatrixXd result = MatrixXd::Zero(own_.size(), prior_.centre.size());
-    const double here = likelihood_->negative_log();
-    gradient_ = VectorXd::Zero(result.cols());
-    for (Index c = 0; c < result.cols(); ++c) {
-      VectorXd step = VectorXd::Zero(result.cols());
+  }
+
+  // Slopes in x with the present pairs: of the errors (measured less model), and of the likelihood,
+  // whose covariance changes with x too. The number of modes that nothing was measured of jumps,
+  // and is left out.
+  enum class Of { errors, both };
+  struct Slopes {
+    MatrixXd errors;
+    VectorXd likelihood;
+  };
+  [[nodiscard]] Slopes slopes(Of what) {
+    modes_.begin_at(all_);
+    const Index n = prior_.centre.size();
+    Slopes result{MatrixXd::Zero(own_.size(), n), VectorXd::Zero(n)};
+    const double here = likelihood_->negative_log() - likelihood_->errors().penalty;
+    for (Index c = 0; c < n; ++c) {
+      VectorXd step = VectorXd::Zero(n);
       for (const double sign : {1.0, -1.0}) {
         step(c) = sign * prior_.step(c);
-        const auto causes = moved(all_, step);
-        const auto model = modes_with(causes, c);
+        const auto model = modes_.with_coordinate(moved(all_, step), c);
         if (!model) continue;
-        auto there = errors_at(*model);
+        auto there = errors_at(*model, what == Of::both);
         if (!there) continue;
-        result.col(c) = (stacked(*there) - own_) / step(c);
-        const LevelLikelihood other(std::move(*there), fit_.levels);
-        gradient_(c) = (other.negative_log() - here) / step(c);
+        result.errors.col(c) = (stacked(*there) - own_) / step(c);
+        if (what == Of::errors) break;
+        const double penalty = there->penalty;
+        const auto other = likelihood_of(std::move(*there));
+        if (other) result.likelihood(c) = (other->negative_log() - penalty - here) / step(c);
         break;
       }
     }
@@ -264,19 +248,23 @@ class Descent {
   // Two directions: of the objective, and of the misfit alone at the present covariance. Near a
   // mode that a cause splits in two the covariance changes at once, and hides the way to its sizes.
   void step() {
-    slope_ = slopes();
+    const auto slope = slopes(Of::both);
+    slope_ = slope.errors;
     const MatrixXd hessian = curvature(slope_);
     const VectorXd prior = prior_.slope(coordinates(all_));
-    const VectorXd whole = gradient_ + prior;
+    const VectorXd whole = slope.likelihood + prior;
     const VectorXd misfit = likelihood_->product(slope_, own_) + prior;
     for (int attempt = 0; attempt < 5; ++attempt) {
       MatrixXd damped = hessian;
       damped.diagonal() *= 1.0 + damping_;
       const Eigen::LDLT<MatrixXd> factor(damped);
-      std::optional<Arrival> best;
-      for (const auto* gradient : {&whole, &misfit}) {
-        auto arrival = arrival_at(-factor.solve(*gradient));
-        if (arrival && (!best || arrival->objective < best->objective)) best = std::move(arrival);
+      const VectorXd first = -factor.solve(whole);
+      const VectorXd second = -factor.solve(misfit);
+      auto best = arrival_at(first);
+      const VectorXd apart = first - second;
+      if (!(apart.dot(damped * apart) < kSameStep * second.dot(damped * second))) {
+        auto other = arrival_at(second);
+        if (other && (!best || other->objective < best->objective)) best = std::move(other);
       }
       if (best && best->objective < fit_.objective) {
         take(std::move(*best));
@@ -295,21 +283,24 @@ class Descent {
     }
     const double prior = log_prior_of(all);
     if (!std::isfinite(prior)) return std::nullopt;
-    auto model = modes(all);
+    auto model = modes_.of(all);
     if (!model) return std::nullopt;
     auto matching = fit_.matching;
-    auto errors = errors_at(*model);
+    auto errors = errors_at(*model, true);
     const bool is_alike = errors.has_value();
     if (!is_alike) {
       matching = problem_.matchings(*model).front();
       // Where levels are known a mode without a partner may cost less than one with a bad one.
-      if (alone(matching) > alone(fit_.matching)) return std::nullopt;
+      const bool is_lost = alone(matching) > alone(fit_.matching);
+      if (problem_.prior().width <= 0.0 && is_lost) return std::nullopt;
       errors = problem_.errors(fit_, *model, matching);
     }
-    LevelLikelihood likelihood(std::move(*errors), fit_.levels);
-    const double objective = likelihood.negative_log() - prior;
-    return Arrival{std::move(all), std::move(*model),     std::move(matching),
-                   is_alike,       std::move(likelihood), objective};
+    auto likelihood = likelihood_of(std::move(*errors));
+    if (!likelihood) return std::nullopt;
+    const double objective = likelihood->negative_log() - prior;
+    if (!std::isfinite(objective)) return std::nullopt;
+    return Arrival{std::move(all), std::move(*model),      std::move(matching),
+                   is_alike,       std::move(*likelihood), objective};
   }
 
   void take(Arrival arrival) {
@@ -326,10 +317,9 @@ class Descent {
   std::vector<Supposed> all_;  // constants and causes
   CoordinatePrior prior_;
   std::optional<LevelLikelihood> likelihood_;
-  Changes changes_;    // of the present causes
-  VectorXd own_;       // errors at the present sizes
-  MatrixXd slope_;     // of the errors in the coordinates, about there; empty: not known
-  VectorXd gradient_;  // of the likelihood there
+  CauseModes modes_;
+  VectorXd own_;    // errors at the present sizes
+  MatrixXd slope_;  // of the errors in the coordinates, about there; empty: not known
   double damping_ = 1e-3;
 };
 

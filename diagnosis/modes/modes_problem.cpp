@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/modes/calibration/coordinates.h"
 #include "diagnosis/modes/modes_fit.h"
 
 namespace chladni::diagnosis {

@@ -8,6 +8,7 @@
 #include "diagnosis/constants.h"
 #include "diagnosis/modes/modes_look.h"
 #include "diagnosis/modes/significance.h"
+#include "diagnosis/modes/weighed.h"
 #include "host/parallel.h"
 
 namespace chladni::diagnosis {
@@ -15,20 +16,42 @@ namespace {
 
 using Eigen::Index;
 
-constexpr std::size_t kPerEffect = 3;  // starts of one effect that are fitted in full, at most
-constexpr std::size_t kMoved = 3;      // starts of one effect, and of other sizes, that are moved
-constexpr std::size_t kMovedFrequencies = 24;  // of starts with a frequency
-constexpr std::size_t kLookedAt = 24;          // starts that are fitted in two rounds, per level
-constexpr std::size_t kInFull = 8;             // of these, fitted in full
-constexpr int kQuickRounds = 2;                // of such a first fit
-constexpr std::size_t kRevised = 4;            // fits whose earlier causes are sought again
-constexpr std::size_t kBeam = 2;               // fits from which a further cause is sought
+constexpr std::size_t kPerEffect = 3;    // starts of one effect that are fitted in full, at most
+constexpr std::size_t kMoved = 3;        // starts of one effect, and of other sizes, that are moved
+constexpr double kSameFrequency = 0.03;  // of ln f
+constexpr std::size_t kLookedAt = 24;    // starts that are fitted in two rounds, per level
+constexpr std::size_t kInFull = 8;       // of these, fitted in full
+constexpr int kQuickRounds = 2;          // of such a first fit
+constexpr std::size_t kRevised = 4;      // fits whose earlier causes are sought again
+constexpr std::size_t kBeam = 2;         // fits from which a further cause is sought
 
 struct Candidate {
   Supposed cause;
   PerClass levels = PerClass::Zero();
   double objective = 0.0;  // after a move −ln evidence
 };
+
+// True if an effect has a place and a frequency: each frequency is another mode that splits in two.
+bool is_tuned(const ModesProblem& problem, const Effect& effect) {
+  const auto parameters = effect.parameters(problem.structure());
+  return std::ranges::any_of(parameters, &Parameter::is_place) &&
+         std::ranges::find(parameters, Parameter::Role::frequency, &Parameter::role) !=
+             parameters.end();
+}
+
+// Coordinate of the frequency of a cause that is tuned.
+double frequency_of(const ModesProblem& problem, const Supposed& cause) {
+  const auto parameters = cause.effect->parameters(problem.structure());
+  const auto found = std::ranges::find(parameters, Parameter::Role::frequency, &Parameter::role);
+  return cause.x(found - parameters.begin());
+}
+
+// One cause of both, at another size.
+bool is_same(const ModesProblem& problem, const Supposed& a, const Supposed& b) {
+  return alike(problem.structure(), a, b) &&
+         (!is_tuned(problem, *a.effect) ||
+          std::abs(frequency_of(problem, a) - frequency_of(problem, b)) < kSameFrequency);
+}
 
 // The best of them, each of another choice or place.
 std::vector<Candidate> first_of(const ModesProblem& problem, std::vector<Candidate> all,
@@ -38,31 +61,25 @@ std::vector<Candidate> first_of(const ModesProblem& problem, std::vector<Candida
   for (auto& candidate : all) {
     if (best.size() == most) break;
     const bool is_new = std::ranges::none_of(best, [&](const Candidate& other) {
-      return alike(problem.structure(), candidate.cause, other.cause);
+      return is_same(problem, candidate.cause, other.cause);
     });
     if (is_new) best.push_back(std::move(candidate));
   }
   return best;
 }
 
-// What tells the starts of one effect apart, wherever they are: the frequency of one that has a
-// frequency, else all coordinates but the place.
+// What tells the starts of one effect apart, wherever they are: the frequency of what is tuned,
+// else all coordinates but the place.
 Eigen::VectorXd coordinates_without_place(const ModesProblem& problem, const Supposed& cause) {
-  using Role = Parameter::Role;
-  const auto parameters = cause.effect->parameters(problem.structure());
-  const auto frequency = std::ranges::find(parameters, Role::frequency, &Parameter::role);
-  if (frequency != parameters.end()) return cause.x.segment(frequency - parameters.begin(), 1);
+  if (is_tuned(problem, *cause.effect)) {
+    return Eigen::VectorXd::Constant(1, frequency_of(problem, cause));
+  }
   Eigen::VectorXd x = cause.x;
+  const auto parameters = cause.effect->parameters(problem.structure());
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     if (parameters[i].is_place()) x(static_cast<Index>(i)) = 0.0;
   }
   return x;
-}
-
-bool has_frequency(const ModesProblem& problem, const Effect& effect) {
-  return std::ranges::any_of(effect.parameters(problem.structure()), [](const Parameter& one) {
-    return one.role == Parameter::Role::frequency;
-  });
 }
 
 // The starts of one effect that are moved at a choice of levels: the best at places and choices of
@@ -101,8 +118,8 @@ std::vector<Candidate> best_of(const ModesLook& look, const ModesProblem& proble
   std::vector<Candidate> all;
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const std::size_t most = i == 0 ? kMoved : 1;
-    // Each frequency is another mode that splits in two.
-    const std::size_t sizes = i == 0 && has_frequency(problem, effect) ? kMovedFrequencies : most;
+    const auto modes = static_cast<std::size_t>(problem.measured().count());
+    const std::size_t sizes = i == 0 && is_tuned(problem, effect) ? kMoved + modes : most;
     for (auto& one : to_move(problem, std::move(at_level[i]), most, sizes)) {
       auto moved = look.moved(one.cause, i);
       if (!std::isfinite(moved.log_evidence)) continue;
@@ -147,7 +164,7 @@ std::vector<ModesFit> likeliest(const ModesProblem& problem, std::vector<ModesFi
   std::vector<ModesFit> first, more;
   for (auto& fit : fits) {
     const bool is_new = std::ranges::none_of(first, [&](const ModesFit& other) {
-      return alike(problem.structure(), fit.causes.back(), other.causes.back());
+      return is_same(problem, fit.causes.back(), other.causes.back());
     });
     (is_new ? first : more).push_back(std::move(fit));
   }
@@ -211,20 +228,39 @@ ModesFit paired_as(const ModesProblem& problem, ModesFit nothing,
   return nothing;
 }
 
+// Each explanation once, at its best fit. `fits` are sorted.
+std::vector<ModesFit> distinct(const ModesProblem& problem, const std::vector<ModesFit>& fits) {
+  std::vector<ModesFit> all;
+  for (const auto& fit : fits) {
+    const bool is_new = std::ranges::none_of(
+        all, [&](const ModesFit& other) { return are_alike(problem.structure(), fit, other); });
+    if (is_new) all.push_back(fit);
+  }
+  return all;
+}
+
 // A first cause was chosen beside none, and may stand where the last one belongs. The best fits
-// without each of their causes but the last, at sizes that suit what is left.
+// without each of their causes but the last, at sizes that suit what is left, where they are not
+// among those from which all causes were sought.
 std::vector<ModesFit> without_earlier(const ModesProblem& problem,
-                                      const std::vector<ModesFit>& fits) {
+                                      const std::vector<ModesFit>& fits,
+                                      const std::vector<ModesFit>& sought) {
   std::vector<ModesFit> bases;
-  for (std::size_t i = 0; i < std::min(fits.size(), kRevised); ++i) {
-    if (fits[i].log_evidence < fits.front().log_evidence - kConstants.beam_within) break;
-    for (std::size_t c = 0; c + 1 < fits[i].causes.size(); ++c) {
-      ModesFit base = fits[i];
+  const auto is_known = [&](const ModesFit& base, const std::vector<ModesFit>& among) {
+    return std::ranges::any_of(
+        among, [&](const ModesFit& other) { return are_alike(problem.structure(), base, other); });
+  };
+  const auto best = distinct(problem, fits);
+  for (std::size_t i = 0; i < std::min(best.size(), kRevised); ++i) {
+    if (best[i].log_evidence < best.front().log_evidence - kConstants.beam_within) break;
+    for (std::size_t c = 0; c + 1 < best[i].causes.size(); ++c) {
+      ModesFit base = best[i];
       base.causes.erase(base.causes.begin() + static_cast<std::ptrdiff_t>(c));
-      bases.push_back(std::move(base));
+      if (!is_known(base, bases) && !is_known(base, sought)) bases.push_back(std::move(base));
     }
   }
   parallel_tasks(bases.size(), [&](std::size_t i) { bases[i] = problem.fitted(bases[i]); });
+  std::erase_if(bases, [](const ModesFit& base) { return !std::isfinite(base.log_evidence); });
   return bases;
 }
 
@@ -239,9 +275,17 @@ std::vector<const Effect*> effects_of(const std::vector<ModesFit>& fits) {
   return all;
 }
 
-// All fits of one cause more than each base has. The last cause of each is significant; the others
-// were when they were found, and what a further cause leaves of them is told by the evidence
-// without them.
+// Fits whose last cause is significant. The others were when they were found, and what a further
+// cause leaves of them is told by the evidence without them.
+std::vector<ModesFit> significant(const ModesProblem& problem, std::vector<ModesFit> fits) {
+  std::erase_if(fits, [&](const ModesFit& fit) {
+    return !is_significant(problem, fit, fit.causes.size() - 1, SizeDeviation::in_place);
+  });
+  for (auto& fit : fits) fit.has_clear_sizes = have_clear_sizes(problem, fit);
+  return fits;
+}
+
+// All fits of one cause more than each base has, sorted.
 std::vector<ModesFit> with_one_more(const ModesProblem& problem, const std::vector<ModesFit>& bases,
                                     const std::vector<const Effect*>& catalogue,
                                     ModesFound& found) {
@@ -253,12 +297,7 @@ std::vector<ModesFit> with_one_more(const ModesProblem& problem, const std::vect
       found.effects = effects;
       found.nothing = paired_as(problem, found.nothing, fits);
     }
-    for (auto& fit : fits) {
-      const std::size_t last = fit.causes.size() - 1;
-      if (!is_significant(problem, fit, last, SizeDeviation::in_place)) continue;
-      fit.has_clear_sizes = have_clear_sizes(problem, fit);
-      next.push_back(std::move(fit));
-    }
+    std::ranges::move(significant(problem, std::move(fits)), std::back_inserter(next));
   }
   sort(next);
   return next;
@@ -276,23 +315,23 @@ ModesFound searched(const ModesProblem& problem, const std::vector<const Effect*
     tell(progress, level == 0 ? "one cause" : level == 1 ? "two causes" : "three causes");
     auto next = with_one_more(problem, beam, catalogue, found);
     if (next.empty()) break;
-    if (level > 0) {
-      auto revised =
-          with_one_more(problem, without_earlier(problem, next), effects_of(next), found);
+    double before = beam.front().log_evidence;
+    if (level > 0 && next.front().log_evidence >= before + kConstants.rival_evidence) {
+      auto bases = without_earlier(problem, next, beam);
+      auto revised = with_one_more(problem, bases, effects_of(next), found);
       std::ranges::move(revised, std::back_inserter(next));
+      sort(next);
+      for (const auto& base : bases) before = std::max(before, base.log_evidence);
+      std::ranges::move(significant(problem, std::move(bases)), std::back_inserter(found.fits));
     }
-    sort(next);
     // A further cause that brings less is not named, but from Constants::rival_evidence on it is
     // part of a rival.
-    const double more =
-        level == 0 ? least_evidence : std::max(least_evidence, kConstants.sure_evidence);
-    const double needed =
-        level == 0 ? -HUGE_VAL : beam.front().log_evidence + kConstants.rival_evidence;
+    const double needed = level == 0 ? -HUGE_VAL : before + kConstants.rival_evidence;
     for (const auto& fit : next) {
       if (fit.log_evidence >= needed) found.fits.push_back(fit);
     }
-    const double gain = next.front().log_evidence - beam.front().log_evidence;
-    if (gain < more) break;
+    if (next.front().log_evidence - before < least_evidence) break;
+    next = distinct(problem, next);
     next.resize(std::min(next.size(), kBeam));
     const double least = next.front().log_evidence - kConstants.beam_within;
     std::erase_if(next, [&](const ModesFit& fit) { return fit.log_evidence < least; });

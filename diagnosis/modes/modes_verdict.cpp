@@ -63,8 +63,8 @@ Explanation explanation_of(const ModesProblem& problem, const ModesFound& found,
     first += count;
     cause.probability =
         (1.0 - explanation.another_body) * probability_of(problem.structure(), all, fit.causes[c]);
-    // Something that no catalogue has may stand beside the others as well.
-    if (fit.causes.size() > 1 && !is_significant(problem, fit, c, SizeDeviation::whole)) {
+    // What has no known size beside the others may be something that no catalogue has.
+    if (fit.causes.size() > 1 && !is_significant(problem, fit, c, SizeDeviation::anywhere)) {
       cause.probability = std::min(cause.probability, kConstants.beside_unnamed);
     }
     cause.log_evidence_gain =
@@ -116,8 +116,10 @@ Verdict verdict_of(const ModesProblem& problem, const ModesFound& found, const W
   const auto is_sure = [&](const Cause& cause) {
     return cause.probability >= kConstants.sure && cause.log_evidence_gain >= least_evidence;
   };
-  if (std::ranges::all_of(best.causes, is_sure)) return Verdict::named;
-  return std::ranges::any_of(best.causes, is_sure) ? Verdict::partial : Verdict::ambiguous;
+  if (std::ranges::none_of(best.causes, is_sure)) return Verdict::ambiguous;
+  const bool is_all = std::ranges::all_of(best.causes, is_sure) &&
+                      !is_part_of_more(problem.structure(), found, fit, least_evidence);
+  return is_all ? Verdict::named : Verdict::partial;
 }
 
 std::optional<Superclass> superclass_of(const ModesProblem& problem, const ModesFound& found,

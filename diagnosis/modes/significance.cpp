@@ -20,11 +20,12 @@ Eigen::VectorXd deviations(const ModesProblem& problem, const ModesFit& fit, con
   const auto parameters = cause.effect->parameters(problem.structure());
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto role = parameters[i].role;
-    const bool is_held = parameters[i].is_place() || role == Role::extent || role == Role::shape;
+    const bool is_held = role == Role::extent || role == Role::shape ||
+                         (by == SizeDeviation::in_place && parameters[i].is_place());
     if (is_held) held.push_back(first + static_cast<Index>(i));
   }
   Eigen::VectorXd variance = fit.covariance.diagonal().segment(first, cause.x.size());
-  if (by == SizeDeviation::in_place && !held.empty()) {
+  if (!held.empty()) {
     const Eigen::MatrixXd beside = fit.covariance(held, Eigen::seqN(first, cause.x.size()));
     const Eigen::LDLT<Eigen::MatrixXd> of_held(Eigen::MatrixXd(fit.covariance(held, held)));
     const Eigen::MatrixXd explained = beside.transpose() * of_held.solve(beside);
@@ -58,11 +59,12 @@ bool is_significant(const ModesProblem& problem, const ModesFit& fit, std::size_
   const auto parameters = cause.effect->parameters(problem.structure());
   const bool has_strength = std::ranges::any_of(parameters, is_strength);
   const auto is_size = [&](const Parameter& parameter) {
-    return has_strength ? is_strength(parameter) : parameter.role == Parameter::Role::frequency;
+    const bool is_frequency = parameter.role == Parameter::Role::frequency;
+    return is_strength(parameter) ||
+           (is_frequency && (!has_strength || by == SizeDeviation::anywhere));
   };
   if (std::ranges::none_of(parameters, is_size)) return true;
   const auto deviation = deviations(problem, fit, cause, first, by);
-  const auto in_place = deviations(problem, fit, cause, first, SizeDeviation::in_place);
   const double usual = usual_size(problem, fit, *cause.effect);
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     if (!is_size(parameters[i])) continue;
@@ -70,7 +72,7 @@ bool is_significant(const ModesProblem& problem, const ModesFit& fit, std::size_
     const bool is_clear =
         parameters[i].is_about_zero()
             ? std::abs(cause.x(at)) > kConstants.significant * std::max(deviation(at), usual)
-            : in_place(at) < kConstants.determined;
+            : deviation(at) < kConstants.determined;
     if (is_clear) return true;
   }
   return false;
@@ -79,7 +81,7 @@ bool is_significant(const ModesProblem& problem, const ModesFit& fit, std::size_
 bool have_clear_sizes(const ModesProblem& problem, const ModesFit& fit) {
   if (fit.causes.size() < 2) return true;
   for (std::size_t c = 0; c < fit.causes.size(); ++c) {
-    if (!is_significant(problem, fit, c, SizeDeviation::whole)) return false;
+    if (!is_significant(problem, fit, c, SizeDeviation::anywhere)) return false;
   }
   return true;
 }

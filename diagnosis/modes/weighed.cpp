@@ -28,9 +28,7 @@ double log_of_number(std::size_t causes, double effects) {
   }
 }
 
-namespace {
-
-bool same(const Structure& structure, const ModesFit& a, const ModesFit& b) {
+bool are_alike(const Structure& structure, const ModesFit& a, const ModesFit& b) {
   if (a.causes.size() != b.causes.size() || a.disturbed.what != b.disturbed.what ||
       a.disturbed.index != b.disturbed.index) {
     return false;
@@ -38,6 +36,8 @@ bool same(const Structure& structure, const ModesFit& a, const ModesFit& b) {
   return std::ranges::all_of(a.causes,
                              [&](const Supposed& cause) { return contains(structure, b, cause); });
 }
+
+namespace {
 
 // True if `a` is a special case of `b`, of the same choice and at the same place.
 bool is_case_of(const Structure& structure, const Supposed& a, const Supposed& b) {
@@ -92,7 +92,7 @@ std::vector<Heir> heirs_of(const Structure& structure, const ModesFound& found, 
   for (const auto& fit : found.fits) {
     const auto* simpler = simpler_of(structure, found, fit, equal);
     const bool is_known = std::ranges::any_of(
-        heirs, [&](const Heir& heir) { return same(structure, *heir.general, fit); });
+        heirs, [&](const Heir& heir) { return are_alike(structure, *heir.general, fit); });
     if (simpler == nullptr || is_known) continue;
     while (const auto* next = simpler_of(structure, found, *simpler, equal)) simpler = next;
     heirs.push_back({simpler, &fit});
@@ -144,7 +144,7 @@ Weighed merged(const Structure& structure, const Weighed& all) {
                            [&](std::size_t i) { return all.probability[i]; });
   for (const auto i : order) {
     const auto known = std::ranges::find_if(
-        result.fits, [&](const ModesFit* fit) { return same(structure, *fit, *all.fits[i]); });
+        result.fits, [&](const ModesFit* fit) { return are_alike(structure, *fit, *all.fits[i]); });
     if (known == result.fits.end()) {
       result.fits.push_back(all.fits[i]);
       result.probability.push_back(all.probability[i]);
@@ -177,6 +177,17 @@ bool is_supported(const ModesFound& found, const ModesFit& fit, double least_evi
     if (other.causes.size() < fit.causes.size()) fewer = std::max(fewer, other.log_evidence);
   }
   return fit.log_evidence >= fewer + least_evidence;
+}
+
+bool is_part_of_more(const Structure& structure, const ModesFound& found, const ModesFit& fit,
+                     double least_evidence) {
+  return std::ranges::any_of(found.fits, [&](const ModesFit& other) {
+    return other.causes.size() > fit.causes.size() &&
+           other.log_evidence >= fit.log_evidence + least_evidence &&
+           std::ranges::all_of(fit.causes, [&](const Supposed& cause) {
+             return contains(structure, other, cause);
+           });
+  });
 }
 
 void put_supported_first(const Structure& structure, const ModesFound& found, double least_evidence,

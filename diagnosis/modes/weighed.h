@@ -20,6 +20,9 @@ struct Weighed {
 /// True if the hypothesis has a cause like this one.
 [[nodiscard]] bool contains(const Structure& structure, const ModesFit& fit, const Supposed& cause);
 
+/// True if both have like causes and believe the same numbers.
+[[nodiscard]] bool are_alike(const Structure& structure, const ModesFit& a, const ModesFit& b);
+
 /// Each explanation of `found` once, at its best fit, descending. Other fits of it are the same
 /// maximum, reached from other starts: their probabilities do not count. An explanation whose
 /// simpler case has nearly its evidence is none of its own. Its weight is that of the simpler case:
@@ -36,6 +39,10 @@ struct Weighed {
 /// than any explanation of fewer.
 [[nodiscard]] bool is_supported(const ModesFound& found, const ModesFit& fit,
                                 double least_evidence);
+
+/// True if a fit with these causes and more brings `least_evidence` [ln] more.
+[[nodiscard]] bool is_part_of_more(const Structure& structure, const ModesFound& found,
+                                   const ModesFit& fit, double least_evidence);
 
 /// The most probable supported explanation first where the most probable one has its causes and a
 /// further one that is not supported.

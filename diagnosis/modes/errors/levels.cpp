@@ -76,18 +76,18 @@ struct WhiteSums {
   }
 };
 
-Index total(const ModeErrors& errors) {
+}  // namespace
+
+std::string_view name(ErrorClass of) { return kNames[static_cast<std::size_t>(of)]; }
+
+Index numbers(const ModeErrors& errors) {
   Index n = 0;
   for (const auto& block : errors.blocks) n += block.count();
   return n;
 }
 
-}  // namespace
-
-std::string_view name(ErrorClass of) { return kNames[static_cast<std::size_t>(of)]; }
-
 VectorXd stacked(const ModeErrors& errors) {
-  VectorXd all(total(errors));
+  VectorXd all(numbers(errors));
   Index first = 0;
   for (const auto& block : errors.blocks) {
     all.segment(first, block.count()) = block.error;
@@ -99,7 +99,7 @@ VectorXd stacked(const ModeErrors& errors) {
 LevelLikelihood::LevelLikelihood(ModeErrors given, const PerClass& levels)
     : errors_(std::move(given)), levels_(levels) {
   const auto k = static_cast<Index>(errors_.shared_of.size());
-  shared_.resize(total(errors_), k);
+  shared_.resize(numbers(errors_), k);
   gram_ = MatrixXd::Identity(k, k);
   for (const auto& block : errors_.blocks) {
     first_.push_back(first_.empty() ? 0 : first_.back() + factor_.back().rows());

@@ -119,6 +119,8 @@ class LevelLikelihood {
   double log_determinant_ = 0.0;
 };
 
+/// Number of errors of all blocks.
+[[nodiscard]] Eigen::Index numbers(const ModeErrors& errors);
 /// The errors of all blocks in one vector.
 [[nodiscard]] Eigen::VectorXd stacked(const ModeErrors& errors);
 

@@ -281,12 +281,6 @@ void doubt(Rows& rows, const Place& place, const Disturbed& disturbed) {
   rows.doubt(row + 1, 1.0);
 }
 
-// The relative error that the mesh makes of the frequency of a motion.
-double mesh_error(const Structure& structure, const VectorXd& motion) {
-  if (structure.frequency_error.size() == 0) return 0.0;
-  return motion.cwiseProduct(structure.frequency_error.head(motion.size())).norm();
-}
-
 // The numbers of a mode that has a partner.
 ModeBlock paired(const Scene& scene, Index i, const std::vector<Index>& span,
                  const Disturbed& disturbed) {
@@ -297,10 +291,8 @@ ModeBlock paired(const Scene& scene, Index i, const std::vector<Index>& span,
   const VectorXd motion = model.motion * other.parts;
   Rows rows(most_rows(measured), columns.count(), static_cast<Index>(near.size()),
             scene.smooth.cols());
-  const double frequency_noise =
-      std::hypot(measured.frequency_std(i), mesh_error(structure, model.motion.col(k)));
   const Index frequency = rows.add(std::log(measured.frequency_hz(i) / model.frequency_hz(k)),
-                                   frequency_noise, of(ErrorClass::frequency));
+                                   measured.frequency_std(i), of(ErrorClass::frequency));
   for (std::size_t b = 0; b < changes.size(); ++b) {
     rows.shared(frequency, columns.of_body(static_cast<Index>(b))) =
         changes[b].frequency.dot(other.parts.cwiseAbs2());

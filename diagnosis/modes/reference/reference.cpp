@@ -288,7 +288,6 @@ Referred referred(const Structure& structure, const MeasuredModes& later,
   Referred result{structure, later, VectorXd::Constant(later.count(), kNotMeasured), {}};
   result.measured.scaled = later.scaled && reference.scaled;
   result.structure.correction = correction_of(structure, fit, anchors);
-  result.structure.frequency_error.resize(0);  // the mesh is the same before and after
   damp(result.structure, fit, anchors, reference);
   const auto earlier = earlier_modes(later, reference);
   const auto kept = refer_all(result, problem, fit, anchors, earlier);

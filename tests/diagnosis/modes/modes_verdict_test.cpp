@@ -92,13 +92,42 @@ TEST(ModesProblem, ASecondFitLosesNothing) {
   double hz = 0.0;
   const auto measured = with_a_split_mode(hz);
   const ModesProblem problem(small_plate(), measured, Tolerances{}, true);
-  for (const double off : {0.97, 0.99, 1.0, 1.01, 1.03}) {
+  const auto fitted_from = [&](double part, double at_hz, double damping, double u, double v) {
     ModesFit start;
     VectorXd x(5);
-    x << std::log(1e-3 * small_plate().mass_kg), std::log(off * hz), std::log(0.02), 0.18, 0.06;
+    x << std::log(part * small_plate().mass_kg), std::log(at_hz), std::log(damping), u, v;
     start.causes.push_back({&effect("resonator"), 0, x});
-    const auto first = problem.fitted(start);
+    return problem.fitted(start);
+  };
+  const double truth = fitted_from(3e-4, hz, 8e-3, 0.21, 0.08).log_evidence;
+  EXPECT_GT(truth, problem.nothing().log_evidence + 8.0);
+  double best = -HUGE_VAL;
+  for (const double off : {0.97, 0.99, 1.0, 1.01, 1.03}) {
+    const auto first = fitted_from(1e-3, off * hz, 0.02, 0.18, 0.06);
     EXPECT_GT(problem.fitted(first).log_evidence, first.log_evidence - 0.3) << off;
+    best = std::max(best, first.log_evidence);
+  }
+  EXPECT_GT(best, truth - 1.0);
+}
+
+// A pair is no better than its own parts allow: each cause of it stands by itself among the fits.
+TEST(Searched, KeepsThePartsOfItsPairs) {
+  State state = state_of(small_plate());
+  effect("point_mass").apply(state, small_plate(), 0, Vector3d(0.6, 0.21, 0.08));
+  effect("sensor_gain").apply(state, small_plate(), 2, VectorXd::Constant(1, 0.4));
+  const auto measured = measured_of(modes_of(state), 0.02);
+  const ModesProblem problem(small_plate(), measured, Tolerances{}, true);
+  DiagnosisOptions options;
+  options.only = {"point_mass", "sensor_gain", "youngs_modulus"};
+  const auto found = searched(problem, catalogue_of(options), 2, 8.0);
+  const auto pair =
+      std::ranges::find_if(found.fits, [](const ModesFit& fit) { return fit.causes.size() == 2; });
+  ASSERT_NE(pair, found.fits.end());
+  for (const auto& cause : pair->causes) {
+    const bool is_alone = std::ranges::any_of(found.fits, [&](const ModesFit& fit) {
+      return fit.causes.size() == 1 && alike(small_plate(), fit.causes.front(), cause);
+    });
+    EXPECT_TRUE(is_alone) << cause.effect->name;
   }
 }
 
@@ -179,24 +208,42 @@ TEST_F(Answer, CountsAPairThatIsNotSupportedAmongTheRivals) {
   }
 }
 
-// A further cause of an unknown sign is a rival and has no name.
+// A mass near a node beside a gain: where it is its size is certain, and wherever it may be it is
+// not.
 TEST_F(Answer, NamesNoCauseOfAnUnclearSizeBesideAnother) {
-  add({mass()}, 30.0);
-  add({mass(), gain(1)}, 50.0);
+  add({gain(1)}, 30.0);
+  add({gain(1), mass()}, 50.0);
   auto found = told();
   EXPECT_EQ(found.best.causes.size(), 2U);
   EXPECT_EQ(found.verdict, Verdict::named);
   auto& pair = found_.fits.front();
   ASSERT_EQ(pair.causes.size(), 2U);
-  pair.covariance(3, 3) = 0.01;  // the gain, 0.2 +- 0.1
+  pair.covariance(1, 1) = 0.04;                                       // the mass, 0.3 +- 0.2
+  pair.covariance(1, 2) = pair.covariance(2, 1) = 0.99 * 0.2 * 0.01;  // with its place
+  EXPECT_TRUE(is_significant(problem_, pair, 1, SizeDeviation::in_place));
+  EXPECT_FALSE(is_significant(problem_, pair, 1, SizeDeviation::anywhere));
   pair.has_clear_sizes = have_clear_sizes(problem_, pair);
   EXPECT_FALSE(pair.has_clear_sizes);
   found = told();
   ASSERT_EQ(found.best.causes.size(), 1U);
-  EXPECT_EQ(found.best.causes.front().effect, "point_mass");
+  EXPECT_EQ(found.best.causes.front().effect, "sensor_gain");
+  EXPECT_EQ(found.verdict, Verdict::partial) << "something more is there";
   ASSERT_FALSE(found.rivals.empty());
   ASSERT_EQ(found.rivals.front().causes.size(), 2U);
   EXPECT_LE(found.rivals.front().causes.back().probability, kConstants.beside_unnamed);
+}
+
+// The stiffness that a patch adds is known, and so is its factor at any one radius.
+TEST_F(Answer, NamesAPatchOfUnknownRadiusBesideAnotherCause) {
+  const Supposed patch{&effect("local_stiffness"), 0,
+                       Eigen::Vector4d(0.5, 0.1, 0.05, std::log(0.05))};
+  add({gain(1)}, 30.0);
+  add({gain(1), patch}, 50.0);
+  auto& pair = found_.fits.back();
+  pair.covariance(1, 1) = 0.09;  // 0.5 +- 0.3
+  pair.covariance(4, 4) = 0.09;
+  pair.covariance(1, 4) = pair.covariance(4, 1) = -0.99 * 0.09;
+  EXPECT_TRUE(have_clear_sizes(problem_, pair));
 }
 
 TEST_F(Answer, NamesACauseBesideOneThatIsNotSupported) {
