@@ -18,6 +18,9 @@ constexpr int kFrequencies = 8;   // over the band
 // Sizes of what is light for its prior, in widths: where its frequency is that of a mode it splits
 // the mode in two, and moves no other one.
 constexpr std::array kLight{-1.75, -0.75};
+// [ln] A spring gives a rigid body a mode whose frequency goes with its root: sizes as near as this
+// leave none without a partner (Constants::apart).
+constexpr double kNearSize = 0.9;
 constexpr Index kTunedPlaces = 16;
 
 // Places that are far from each other: each next one is the farthest from those before.
@@ -38,14 +41,18 @@ using Values = std::vector<double>;
 
 // A stiffness or a mass that is large for its prior is not rare where the first mode of the
 // structure is one of its suspension, far below those that were measured.
-Values sizes_of(const Parameter& parameter, bool few) {
+Values sizes_of(const Parameter& parameter, bool few, StartSizes sizes) {
   Values values;
-  const Values parts =
-      parameter.is_about_zero()
-          ? (few ? Values{-1.0, -0.1, 0.1, 1.0}
-                 : Values{-2.0, -1.0, -0.3, -0.1, -0.03, 0.03, 0.1, 0.3, 1.0, 2.0})
-          : (few ? Values{-1.0, 0.0, 1.0, 2.0, 3.0}
-                 : Values{-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5});
+  Values parts = parameter.is_about_zero()
+                     ? (few ? Values{-1.0, -0.1, 0.1, 1.0}
+                            : Values{-2.0, -1.0, -0.3, -0.1, -0.03, 0.03, 0.1, 0.3, 1.0, 2.0})
+                     : (few ? Values{-1.0, 0.0, 1.0, 2.0, 3.0}
+                            : Values{-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5});
+  if (sizes == StartSizes::near && !few && !parameter.is_about_zero()) {
+    const double step = std::min(0.5, kNearSize / parameter.width);
+    parts.clear();
+    for (double part = -1.5; part <= 3.5; part += step) parts.push_back(part);
+  }
   for (const double part : parts) values.push_back(parameter.centre + part * parameter.width);
   return values;
 }
@@ -75,7 +82,8 @@ Values values_of(const Parameter& parameter, const VectorXd& measured_hz) {
 // All points of the grid of one choice.
 class Grid {
  public:
-  Grid(const Structure& structure, const Effect& effect, const VectorXd& measured_hz)
+  Grid(const Structure& structure, const Effect& effect, const VectorXd& measured_hz,
+       StartSizes sizes)
       : structure_(structure), parameters_(effect.parameters(structure)) {
     bool has_place = false, has_more = false, has_frequency = false;
     for (const auto& parameter : parameters_) {
@@ -86,7 +94,7 @@ class Grid {
     const bool is_tuned = has_place && has_frequency;
     for (const auto& parameter : parameters_) {
       values_.push_back(parameter.role == Parameter::Role::strength
-                            ? sizes_of(parameter, is_tuned)
+                            ? sizes_of(parameter, is_tuned, sizes)
                             : values_of(parameter, measured_hz));
     }
     if (has_place) places_ = spread(structure.surface.places, has_more ? kFewPlaces : kPlaces);
@@ -173,11 +181,11 @@ class Grid {
 }  // namespace
 
 std::vector<Supposed> grid_of(const Structure& structure, const Effect& effect,
-                              const Eigen::VectorXd& measured_hz) {
+                              const Eigen::VectorXd& measured_hz, StartSizes sizes) {
   std::vector<Supposed> starts;
   const Index options = effect.options(structure);
   if (options <= 0) return starts;
-  const Grid grid(structure, effect, measured_hz);
+  const Grid grid(structure, effect, measured_hz, sizes);
   for (Index option = 0; option < options; ++option) {
     for (const auto& point : grid.points()) starts.push_back({&effect, option, point});
   }

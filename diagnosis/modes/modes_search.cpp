@@ -104,10 +104,11 @@ std::vector<Candidate> to_move(const ModesProblem& problem, std::vector<Candidat
 // The best starts of one effect, at places and choices of their own. The best of the grid at each
 // of the levels are moved first: neighbours on it may differ by more than the errors are.
 std::vector<Candidate> best_of(const ModesLook& look, const ModesProblem& problem,
-                               const Effect& effect) {
+                               const Effect& effect, StartSizes start_sizes) {
   const auto& levels = look.levels();
   std::vector<std::vector<Candidate>> at_level(levels.size());
-  for (const auto& start : grid_of(problem.structure(), effect, problem.measured().frequency_hz)) {
+  for (const auto& start :
+       grid_of(problem.structure(), effect, problem.measured().frequency_hz, start_sizes)) {
     const auto objectives = look(start);
     for (std::size_t i = 0; i < objectives.size(); ++i) {
       if (std::isfinite(objectives[i])) {
@@ -133,9 +134,12 @@ std::vector<Candidate> best_of(const ModesLook& look, const ModesProblem& proble
 std::vector<Candidate> candidates(const ModesProblem& problem, const ModesFit& base,
                                   const std::vector<const Effect*>& catalogue, double& effects) {
   const ModesLook look(problem, base, levels_to_look_at(problem, base));
+  // A measured mode that nothing is like may be one that a spring makes of a rigid body.
+  const bool is_one_alone = std::ranges::find(base.matching.model, -1) != base.matching.model.end();
+  const auto sizes = is_one_alone ? StartSizes::near : StartSizes::usual;
   std::vector<std::vector<Candidate>> best(catalogue.size());
   parallel_tasks(catalogue.size(),
-                 [&](std::size_t e) { best[e] = best_of(look, problem, *catalogue[e]); });
+                 [&](std::size_t e) { best[e] = best_of(look, problem, *catalogue[e], sizes); });
   std::vector<Candidate> first, more;
   for (auto& of_effect : best) {
     for (std::size_t i = 0; i < of_effect.size(); ++i) {

@@ -15,12 +15,19 @@ struct ModesFound {
   double effects = 0.0;             ///< number of effects that change these data
 };
 
+/// How near the sizes of the starts of an effect are to each other.
+enum class StartSizes {
+  usual,
+  near,  ///< so near that a mode that a spring makes is paired with a measured one
+};
+
 /// Starts of an effect for every choice, on a grid that follows from the roles of its parameters:
 /// places spread over the surface, sizes of both signs, frequencies over the measured band. What
 /// has a place and a frequency stands at each measured frequency too, and is light there.
 /// @param measured_hz  at least one
 [[nodiscard]] std::vector<Supposed> grid_of(const Structure& structure, const Effect& effect,
-                                            const Eigen::VectorXd& measured_hz);
+                                            const Eigen::VectorXd& measured_hz,
+                                            StartSizes sizes = StartSizes::usual);
 
 /// Every effect at every point of its grid, with the levels that the structure as it is leaves; the
 /// likeliest are fitted in full. Then a second and a third cause beside the best ones, as long as

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "base/error.h"
 #include "diagnosis/diagnosed.h"
@@ -85,6 +86,22 @@ TEST(Searched, FindsALightResonatorByTheModeThatItSplits) {
   ASSERT_EQ(cause.effect->name, "resonator");
   EXPECT_NEAR(std::exp(cause.x(1)), hz, 0.02 * hz);
   EXPECT_NEAR(cause.x(0), std::log(3e-4 * small_plate().mass_kg), 1.0);
+}
+
+// A spring gives a rigid body a mode whose frequency goes with its root. Equal shapes are a pair up
+// to e^+-0.25 in frequency: of starts farther from each other than 1 in ln k none may reach it.
+TEST(GridOf, HasASpringNearEachStiffness) {
+  const auto& spring = effect("ground_spring");
+  const VectorXd hz = modes_of(state_of(small_plate())).frequency_hz.head(6);
+  std::vector<double> sizes;
+  for (const auto& start : grid_of(small_plate(), spring, hz, StartSizes::near)) {
+    sizes.push_back(start.x(0));
+  }
+  std::ranges::sort(sizes);
+  const auto parameter = spring.parameters(small_plate()).front();
+  EXPECT_LT(sizes.front(), parameter.centre - parameter.width);
+  EXPECT_GT(sizes.back(), parameter.centre + 3.0 * parameter.width);
+  for (std::size_t i = 1; i < sizes.size(); ++i) EXPECT_LT(sizes[i] - sizes[i - 1], 1.0) << i;
 }
 
 // Where two modes turn into each other a step that lowers the misfit may raise the objective.
