@@ -108,10 +108,9 @@ struct Constants {
   static constexpr int delay_intervals = 75;
   /// Longest delay that is looked for in the phases alone [periods of the highest line] (chosen).
   static constexpr double delay_reach = 500.0;
-  /// Difference of the delay in the phases from that of the scan, above which the poles are also
-  /// sought without it [periods of the highest line] (chosen: 2.5 steps of
-  /// the scan).
-  static constexpr double delay_differs = 0.1;
+  /// Distance to the end of the scan from which a delay in the phases makes that the poles are also
+  /// sought without it [periods of the highest line] (chosen).
+  static constexpr double delay_margin = 1.0;
 
   // The fit of modes.
   /// Iterations of a fit whose poles are still to be chosen, or whose data are still to be

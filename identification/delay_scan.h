@@ -7,8 +7,8 @@
 namespace chladni::identification {
 
 /// The delay [s] at which real residues at these poles fit best. The search runs from −0.5 to
-/// 2.5 periods of the highest line. A delay hardly changes poles, but it changes the phases
-/// of their residues.
+/// 2.5 periods of the highest line. A short delay hardly changes poles, but it changes the
+/// phases of their residues.
 /// Cost: a hundred linear fits of the residues.
 [[nodiscard]] double scanned_delay(const FitData& data, const Eigen::VectorXcd& poles, bool rigid);
 
@@ -20,8 +20,9 @@ namespace chladni::identification {
 /// pq [s]: a first value without poles: the delay under which the phases of the responses of one
 /// output or one input (or all) are nearest to 0 and 180°, which are those of real modes away from
 /// their resonances. 0 where nothing is measured. The search begins at −0.5 periods of the highest
-/// line, and ends where evenly spaced lines cannot tell a longer delay from a shorter one, 1/(2 df)
-/// further for their mean distance df, but 500 periods further at most.
+/// line, and ends where squares of evenly spaced lines cannot tell a longer delay from a shorter
+/// one, 1/(2 df) further for their mean distance df, but 500 periods further at most. Resonances
+/// turn phases back, too: where many modes overlap the value is too large, by several periods.
 /// Cost: 25 K operations for each period and delay.
 [[nodiscard]] Eigen::VectorXd phase_delays(const FitData& data, DelayOf of);
 

@@ -54,9 +54,10 @@ struct Identified {
 [[nodiscard]] Identified identified(const FitData& data, const IdentificationOptions& options = {});
 
 /// pq [s]: the delay of each response before any fit. It is the delay at which real residues at the
-/// poles of a vector fit fit best. Where the phases alone ask for another (phase_delays), poles are
-/// also sought without that one, and the better result counts. One output, one input or all
-/// responses share one delay, as options.fit.delay_of says. Zeros where options.fit.delay is false.
+/// poles of a vector fit fit best. Where the phases alone ask for one beyond the scan
+/// (phase_delays), poles are also sought without that one, and the better result counts. One
+/// output, one input or all responses share one delay, as options.fit.delay_of says. Zeros where
+/// options.fit.delay is false.
 /// @throws as vector_fit
 [[nodiscard]] Eigen::VectorXd delays_at_start(const FitData& data,
                                               const IdentificationOptions& options);

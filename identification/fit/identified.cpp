@@ -156,15 +156,17 @@ struct ScannedDelays {
   double cost = 0.0;
 };
 
-// Scans about first values. A long delay bends phases so much that its poles are not the data's:
-// they are sought without the first values.
-ScannedDelays scanned_beside(const FitData& data, const Eigen::VectorXd& first,
+// Scans about first values, except of responses whose delays are held. A long delay bends phases so
+// much that its poles are not the data's: they are sought without the first values.
+using Held = Eigen::Array<bool, Eigen::Dynamic, 1>;
+ScannedDelays scanned_beside(const FitData& data, const Eigen::VectorXd& first, const Held& held,
                              const IdentificationOptions& options) {
   const auto turned = undelayed(data, first);
   const auto found = start_poles(turned, options);
   const auto kept = worthwhile(turned, found.problem, found.pole, options.modes);
   const bool rigid = options.rigid_count != 0;
-  const Eigen::VectorXd delay = first + scanned_delays(turned, kept, rigid, options.fit.delay_of);
+  const Eigen::VectorXd scanned = scanned_delays(turned, kept, rigid, options.fit.delay_of);
+  const Eigen::VectorXd delay = first.array() + held.select(0.0, scanned.array());
   return {delay, ResidueProblem(undelayed(data, delay), kept, rigid).residues().cost};
 }
 
@@ -208,12 +210,20 @@ Identified from_compressed(const Compressed& small, const FitData& measured,
 Eigen::VectorXd delays_at_start(const FitData& data, const IdentificationOptions& options) {
   const auto none = Eigen::VectorXd::Zero(data.response_count());
   if (!options.fit.delay) return none;
-  const auto near = scanned_beside(data, none, options);
+  const auto near = scanned_beside(data, none, Held::Constant(none.size(), false), options);
   const auto phases = phase_delays(data, options.fit.delay_of);
-  const double differs = Constants::delay_differs / data.frequency_hz(data.line_count() - 1);
-  if ((phases - near.delay_s).cwiseAbs().maxCoeff() < differs) return near.delay_s;
-  const auto far = scanned_beside(data, phases, options);
-  return far.cost < Constants::hardly_less * near.cost ? far.delay_s : near.delay_s;
+  // Damping lengthens what the phases say: within the reach of the scan the scan knows better.
+  const double reached =
+      (Constants::delay_high - Constants::delay_margin) / data.frequency_hz(data.line_count() - 1);
+  const Held held = phases.array() < reached;
+  if (held.all()) return near.delay_s;
+  try {
+    const Eigen::VectorXd first = held.select(near.delay_s.array(), phases.array());
+    const auto far = scanned_beside(data, first, held, options);
+    return far.cost < Constants::hardly_less * near.cost ? far.delay_s : near.delay_s;
+  } catch (const NumericalFailure&) {  // the turned data determine no poles
+    return near.delay_s;
+  }
 }
 
 Identified identified(const FitData& measured, const IdentificationOptions& options) {

@@ -65,7 +65,7 @@ class Step {
       rows.push_back(row_of(i));
       eliminate(rows.back(), matrix, right);
     }
-    const Matrix change = Matrix(matrix.ldlt().solve(right)).reshaped(r, q);
+    const Matrix change = Matrix(Eigen::PartialPivLU<Matrix>(matrix).solve(right)).reshaped(r, q);
     Product<Matrix> next{product_.rows, product_.columns + change};
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const auto& row = rows[i];
@@ -106,7 +106,7 @@ class Step {
     row.columns = conjugate_(Eigen::all, row.measured);
     Matrix matrix = row.columns * row.columns.adjoint();
     matrix.diagonal().array() += diagonal_;
-    const Eigen::LDLT<Matrix> factor(matrix);
+    const Eigen::PartialPivLU<Matrix> factor(matrix);
     row.alone =
         factor.solve(row.columns * row.error - aim_.pull * product_.rows.row(i).transpose());
     row.solved = factor.solve(row.columns);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <vector>
 
@@ -39,7 +40,9 @@ Eigen::ArrayXcd squared_phases(const FitData& data, const std::vector<Eigen::Ind
   for (const auto e : responses) {
     for (Eigen::Index k = 0; k < data.line_count(); ++k) {
       const double size = std::abs(data.value(k, e));
-      if (data.weight(k, e) > 0.0 && size > 0.0) sum(k) += std::pow(data.value(k, e) / size, 2);
+      if (!(data.weight(k, e) > 0.0) || !(size > 0.0)) continue;
+      const std::complex<double> z = data.value(k, e) / size;
+      sum(k) += z * z;
     }
   }
   return sum;

@@ -182,6 +182,8 @@ void Tets::turn_right_side_out(Cells& cells, Notes* notes) const {
 void Tets::refuse_overlaps(const Cells& cells) const {
   std::vector<mesh::Key> keys;
   std::vector<bool> rising;
+  keys.reserve(4 * static_cast<std::size_t>(cells.rows()));
+  rising.reserve(keys.capacity());
   for (const auto cell : cells.rowwise()) {
     for (const auto& [i, j, k] : mesh::kTetFaces) {
       const std::int32_t a = cell(i), b = cell(j), c = cell(k);

@@ -15,7 +15,7 @@ struct Understood {
   double mass_kg = 0.0;             ///< each region with its own material
   fem::Material material = {};      ///< of the largest region
   double first_frequency_hz = 0.0;  ///< flexible, free body; within a factor of two if ribbed
-  std::string estimate_name;        ///< "plate", "beam", "disc" or "box"
+  std::string estimate_name;        ///< "plate", "beam", "disc", "ring" or "box"
   /// "600.0 x 600.0 x 20.0 mm  19.44 kg  first plate estimate 186 Hz"
   [[nodiscard]] std::string line() const;
 };
