@@ -26,7 +26,8 @@ int figure(const Figures& asked, std::ostream& results) {
                                              .png = has_format(asked, "png")}};
   require(!asked.list || wanted.names.empty(),
           "--list tells all figures; expected no NAME with it");
-  const auto figures = asked.list ? show::figures_in(wanted.folder) : show::draw_figures(wanted);
+  const auto figures =
+      asked.list ? show::figures_in(wanted.folder, wanted.print) : show::draw_figures(wanted);
   results << (asked.json ? io::text(show::figures_json(wanted.folder, figures))
                          : show::figures_text(figures));
   return 0;

@@ -44,10 +44,15 @@ constexpr const app::Command* kCommands[] = {
     &app::diagnose_command,    &app::study_command,
 };
 
-/// @throws OutOfResources  what was printed is not written whole
+bool is_mute = false;  // whoever started the program closed its standard error
+
+/// @throws OutOfResources  what was printed or warned of is not written whole
 void require_output() {
   std::cout.flush();
   if (!std::cout) throw chladni::OutOfResources("cannot write to the standard output");
+  if (!std::cerr && !is_mute) {
+    throw chladni::OutOfResources("cannot write to the standard error: a warning is lost");
+  }
 }
 
 /// The message, with the study's name in front if it is not there yet.
@@ -186,6 +191,7 @@ void add_figure_verb(CLI::App& cli, app::Figures& asked, show::Talk& talk, int& 
       ->check(CLI::Range(40.0, 400.0));
   verb->add_option("--format", asked.formats, "svg, png or both [svg,png]")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::IsMember({"svg", "png"}));
   verb->add_option("--dpi", asked.dpi, "of PNG [300]")->check(CLI::Range(50.0, 1200.0));
   verb->add_flag("--json", asked.json, "the result as JSON on the standard output");
@@ -333,6 +339,7 @@ int answer(int argc, char** argv, show::Talk& talk) {
 void mend_what_the_parent_left() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(stream, F_GETFD) >= 0) continue;
+    if (stream == STDERR_FILENO) is_mute = true;
     const int unusable = stream == STDIN_FILENO ? O_WRONLY : O_RDONLY;
     static_cast<void>(open("/dev/null", unusable));  // gets the lowest free number
   }

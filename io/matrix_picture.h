@@ -18,9 +18,12 @@ struct MatrixPicture {
   int decimals = 2;                        ///< of the numbers in the squares (where they fit)
 };
 
-/// PNG, 1000 px wide or 1400 for more than 24 columns, and its squares 6000 px high at most; the
-/// same input gives the same bytes.
-/// @throws InvalidInput  names and values differ in number, no value, more than 200 rows or columns
+/// PNG, 1000 px wide or 1400 for more than 24 columns (wider where long names leave no room), and
+/// its squares 6000 px high at most; the same input gives the same bytes.
+/// @throws InvalidInput  names and values differ in number, no value, more than 200 rows or
+/// columns;
+///                       on paper, the names leave no room at this width (says which does), or a
+///                       PNG would be too large
 /// @throws WorkerDied    as draw_modes
 void draw_matrix(const PictureFile& png, const MatrixPicture& picture);
 

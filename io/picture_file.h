@@ -40,6 +40,10 @@ class PaintQueue {
   std::vector<Job> jobs_;
 };
 
+/// The largest pictures that the painter makes, along a side and in all [px]. It draws twice as
+/// fine and needs some 190 bytes for each pixel: 4 GB in all.
+inline constexpr double kLongestPicture = 8192.0, kMostPixels = 20e6;
+
 /// How plots are printed on paper: without a title, which belongs into the caption.
 struct Print {
   double width_mm = 160.0;
@@ -51,6 +55,7 @@ struct Print {
 /// the queue has finished.
 class PictureFile {
  public:
+  /// @param png      empty: nothing is left, and what cannot be drawn is refused as ever
   /// @param vectors  what can be drawn by lines is also left as an SVG of that name
   PictureFile(std::filesystem::path png, PaintQueue* queue = nullptr, bool vectors = false);
 

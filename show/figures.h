@@ -23,9 +23,11 @@ struct FolderFigure {
 /// @throws InvalidInput  there is no such file or folder, or it holds no result of Chladni
 [[nodiscard]] std::filesystem::path results_folder(const std::filesystem::path& results);
 
-/// The figures of which there are data or pictures in the folder, those that can be drawn first.
+/// The figures of which there are data or pictures in the folder, those that can be drawn as
+/// `print` says first.
 /// @throws InvalidInput  a file with data of a figure is damaged (names it)
-[[nodiscard]] std::vector<FolderFigure> figures_in(const std::filesystem::path& folder);
+[[nodiscard]] std::vector<FolderFigure> figures_in(const std::filesystem::path& folder,
+                                                   const io::Print& print);
 
 struct FiguresWanted {
   std::filesystem::path folder;    ///< of the results
@@ -35,6 +37,7 @@ struct FiguresWanted {
 };
 
 /// Draws the figures that are wanted. Without names also says why others cannot be drawn.
+/// What cannot be drawn at the width or resolution of `print` is found before a file is written.
 /// @throws InvalidInput  a name that is none of figures_in(), or cannot be drawn (says why);
 /// nothing
 ///                       can be drawn; a damaged file

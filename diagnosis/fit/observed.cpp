@@ -108,11 +108,13 @@ std::pair<Eigen::VectorXd, Eigen::VectorXd> levels_of(const Eigen::MatrixXd& pow
     return Eigen::VectorXd((weight.array() > 0.0).select(sum.array() / weight.array(), 0.0));
   };
   Eigen::VectorXd columns = Eigen::VectorXd::Ones(power.cols());
-  Eigen::VectorXd rows = over(power.rowwise().sum(), known * columns);
+  const Eigen::VectorXd row_sums = power.rowwise().sum();
+  const Eigen::VectorXd column_sums = power.colwise().sum().transpose();
+  Eigen::VectorXd rows = over(row_sums, known * columns);
   for (int round = 0; round < kMostRounds; ++round) {
-    columns = over(power.colwise().sum().transpose(), known.transpose() * rows);
+    columns = over(column_sums, known.transpose() * rows);
     const Eigen::VectorXd before = rows;
-    rows = over(power.rowwise().sum(), known * columns);
+    rows = over(row_sums, known * columns);
     if ((rows - before).norm() <= kRounding * rows.norm()) break;
   }
   return {rows, columns};

@@ -25,8 +25,6 @@ using Eigen::VectorXd;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kLevelRounds = 4;  // of levels alone, at the end
-// Square of the distance of two steps, over that of one, below which they are the same one.
-constexpr double kSameStep = 0.01;
 
 // Measured modes without a partner.
 Index alone(const Matching& of) { return std::ranges::count(of.model, Index{-1}); }
@@ -262,7 +260,7 @@ class Descent {
       const VectorXd second = -factor.solve(misfit);
       auto best = arrival_at(first);
       const VectorXd apart = first - second;
-      if (!(apart.dot(damped * apart) < kSameStep * second.dot(damped * second))) {
+      if (!(apart.dot(damped * apart) < kConstants.same_step * second.dot(damped * second))) {
         auto other = arrival_at(second);
         if (other && (!best || other->objective < best->objective)) best = std::move(other);
       }

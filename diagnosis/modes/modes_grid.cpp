@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "diagnosis/constants.h"
 #include "diagnosis/modes/modes_search.h"
 
 namespace chladni::diagnosis {
@@ -18,9 +19,6 @@ constexpr int kFrequencies = 8;   // over the band
 // Sizes of what is light for its prior, in widths: where its frequency is that of a mode it splits
 // the mode in two, and moves no other one.
 constexpr std::array kLight{-1.75, -0.75};
-// [ln] A spring gives a rigid body a mode whose frequency goes with its root: sizes as near as this
-// leave none without a partner (Constants::apart).
-constexpr double kNearSize = 0.9;
 constexpr Index kTunedPlaces = 16;
 
 // Places that are far from each other: each next one is the farthest from those before.
@@ -49,7 +47,7 @@ Values sizes_of(const Parameter& parameter, bool few, StartSizes sizes) {
                      : (few ? Values{-1.0, 0.0, 1.0, 2.0, 3.0}
                             : Values{-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5});
   if (sizes == StartSizes::near && !few && !parameter.is_about_zero()) {
-    const double step = std::min(0.5, kNearSize / parameter.width);
+    const double step = std::min(0.5, kConstants.near_size / parameter.width);
     parts.clear();
     for (double part = -1.5; part <= 3.5; part += step) parts.push_back(part);
   }

@@ -16,14 +16,13 @@ namespace {
 
 using Eigen::Index;
 
-constexpr std::size_t kPerEffect = 3;    // starts of one effect that are fitted in full, at most
-constexpr std::size_t kMoved = 3;        // starts of one effect, and of other sizes, that are moved
-constexpr double kSameFrequency = 0.03;  // of ln f
-constexpr std::size_t kLookedAt = 24;    // starts that are fitted in two rounds, per level
-constexpr std::size_t kInFull = 8;       // of these, fitted in full
-constexpr int kQuickRounds = 2;          // of such a first fit
-constexpr std::size_t kRevised = 4;      // fits whose earlier causes are sought again
-constexpr std::size_t kBeam = 2;         // fits from which a further cause is sought
+constexpr std::size_t kPerEffect = 3;  // starts of one effect that are fitted in full, at most
+constexpr std::size_t kMoved = 3;      // starts of one effect, and of other sizes, that are moved
+constexpr std::size_t kLookedAt = 24;  // starts that are fitted in two rounds, per level
+constexpr std::size_t kInFull = 8;     // of these, fitted in full
+constexpr int kQuickRounds = 2;        // of such a first fit
+constexpr std::size_t kRevised = 4;    // fits whose earlier causes are sought again
+constexpr std::size_t kBeam = 2;       // fits from which a further cause is sought
 
 struct Candidate {
   Supposed cause;
@@ -50,7 +49,8 @@ double frequency_of(const ModesProblem& problem, const Supposed& cause) {
 bool is_same(const ModesProblem& problem, const Supposed& a, const Supposed& b) {
   return alike(problem.structure(), a, b) &&
          (!is_tuned(problem, *a.effect) ||
-          std::abs(frequency_of(problem, a) - frequency_of(problem, b)) < kSameFrequency);
+          std::abs(frequency_of(problem, a) - frequency_of(problem, b)) <
+              kConstants.same_frequency);
 }
 
 // The best of them, each of another choice or place.
@@ -283,7 +283,7 @@ std::vector<const Effect*> effects_of(const std::vector<ModesFit>& fits) {
 // cause leaves of them is told by the evidence without them.
 std::vector<ModesFit> significant(const ModesProblem& problem, std::vector<ModesFit> fits) {
   std::erase_if(fits, [&](const ModesFit& fit) {
-    return !is_significant(problem, fit, fit.causes.size() - 1, SizeDeviation::in_place);
+    return !is_significant(problem, fit, fit.causes.size() - 1, SizeDeviation::anywhere);
   });
   for (auto& fit : fits) fit.has_clear_sizes = have_clear_sizes(problem, fit);
   return fits;

@@ -22,6 +22,12 @@ void Drawing::text(const Eigen::Vector2d& at, const std::string& words, double s
   if (!words.empty()) texts_.push_back({at, words, size, colour, align, bold, upwards});
 }
 
+// What is whole but for rounding gets no further column.
+Eigen::Vector2d Drawing::pixels(double finer) const {
+  constexpr double kRounding = 1e-6;
+  return {std::ceil(finer * width_ - kRounding), std::ceil(finer * height_ - kRounding)};
+}
+
 Message Drawing::request(double finer) const {
   Message request;
   JsonArray shapes;
@@ -45,9 +51,10 @@ Message Drawing::request(double finer) const {
   auto& counts = request.integers["counts"];
   counts.resize(std::ssize(sizes), 1);
   for (std::size_t c = 0; c < sizes.size(); ++c) counts(static_cast<Eigen::Index>(c)) = sizes[c];
+  const Eigen::Vector2d size = pixels(finer);
   request.head = JsonObject{{"kind", "drawing"},
-                            {"width", std::ceil(finer * width_)},
-                            {"height", std::ceil(finer * height_)},
+                            {"width", size.x()},
+                            {"height", size.y()},
                             {"shapes", shapes},
                             {"texts", texts_json(finer)}};
   return request;

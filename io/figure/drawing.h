@@ -35,6 +35,8 @@ class Drawing {
   /// @param width_mm  of the whole on paper; 0: one pixel of a screen for each
   [[nodiscard]] std::string svg(double width_mm = 0.0) const;
   [[nodiscard]] double width() const { return width_; }
+  /// Width and height of the picture that request() asks for: whole numbers [px].
+  [[nodiscard]] Eigen::Vector2d pixels(double finer = 1.0) const;
 
  private:
   struct Shape {

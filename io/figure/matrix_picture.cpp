@@ -16,7 +16,7 @@ using Place = Eigen::Vector2d;
 
 constexpr Colour kMatrixInk{0.13, 0.14, 0.16}, kWhite{1.0, 1.0, 1.0}, kEmpty{0.94, 0.94, 0.95};
 constexpr double kMatrixMargin = 24.0, kHead = 60.0, kName = 14.0, kMatrixLabel = 16.0,
-                 kLargest = 64.0, kTallest = 6000.0;
+                 kLeast = 4.0, kLargest = 64.0, kTallest = 6000.0;
 constexpr Eigen::Index kMost = 200;
 
 /// The layout of the picture [px].
@@ -58,16 +58,28 @@ double widest_number(const MatrixPicture& of) {
   return width;
 }
 
+// The width, if that leaves room for squares beside the names. A screen's picture becomes wider.
+double roomy(double width, double least, const PictureFile& file) {
+  if (!file.print()) return std::max(width, least);
+  if (width >= least) return width;
+  const double wider_mm = std::ceil(least / width * file.print()->width_mm);
+  throw InvalidInput(
+      fmt::format("the names leave no room for the squares at {:.6g} mm: it takes {:.0f} mm",
+                  file.print()->width_mm, wider_mm));
+}
+
 MatrixSheet matrix_sheet(const MatrixPicture& of, const PictureFile& file) {
   MatrixSheet sheet{};
-  sheet.width = file.layout_width(of.value.cols() > 24 ? 1400.0 : 1000.0);
   sheet.head = file.print() || of.title.empty() ? 4.0 : kHead;
   sheet.column_names = widest(of.columns) + 8.0;
   const double left = kMatrixMargin + 26.0 + widest(of.rows) + 10.0;
   sheet.corner = Place(left, sheet.head + 26.0 + sheet.column_names);
+  const double columns = static_cast<double>(of.value.cols());
+  sheet.width = roomy(file.layout_width(columns > 24.0 ? 1400.0 : 1000.0),
+                      left + kLeast * columns + kMatrixMargin, file);
   const double room = sheet.width - left - kMatrixMargin;
-  sheet.square = std::min({kLargest, room / static_cast<double>(of.value.cols()),
-                           kTallest / static_cast<double>(of.value.rows())});
+  sheet.square =
+      std::min({kLargest, room / columns, kTallest / static_cast<double>(of.value.rows())});
   sheet.height =
       sheet.corner(1) + sheet.square * static_cast<double>(of.value.rows()) + kMatrixMargin;
   const double fits = 0.86 * sheet.square / std::max(widest_number(of), 1e-9);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -65,6 +66,19 @@ std::string with_resolution(std::string png, double dpi) {
   return png.insert(kHeader, chunk);
 }
 
+void require_paintable(const Drawing& drawing, const Print& print, double finer) {
+  const Eigen::Vector2d exact = finer * drawing.pixels();
+  const Eigen::Vector2d size = drawing.pixels(finer);
+  if (size.maxCoeff() <= kLongestPicture && exact.prod() <= kMostPixels) return;
+  const double part =
+      std::min(kLongestPicture / size.maxCoeff(), std::sqrt(kMostPixels / exact.prod()));
+  throw InvalidInput(fmt::format(
+      "a picture of {:.0f} x {:.0f} px, expected at most {:.0f} along a side and {:.0f} "
+      "million in all: at {:.6g} mm at most {:.0f} dpi",
+      size.x(), size.y(), kLongestPicture, kMostPixels / 1e6, print.width_mm,
+      std::floor(part * print.dpi)));
+}
+
 }  // namespace
 
 // Where Xvfb is installed, the painter uses Mesa's software renderer on an Xvfb, so the pixels are
@@ -91,11 +105,12 @@ std::string painted(const Message& request) {
 
 void leave_drawing(const PictureFile& file, const Drawing& drawing) {
   const auto& print = file.print();
+  const double finer = print ? print->width_mm / 25.4 * print->dpi / drawing.width() : 1.0;
+  if (print && print->png) require_paintable(drawing, *print, finer);
   file.leave_vectors([&] { return drawing.svg(print ? print->width_mm : 0.0); });
   if (!print) {
     file.paint([request = drawing.request()] { return painted(request); });
   } else if (print->png) {
-    const double finer = print->width_mm / 25.4 * print->dpi / drawing.width();
     file.paint([request = drawing.request(finer), dpi = print->dpi] {
       return with_resolution(painted(request), dpi);
     });

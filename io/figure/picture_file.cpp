@@ -51,10 +51,12 @@ double PictureFile::layout_width(double usual) const {
 }
 
 void PictureFile::leave_vectors(const std::function<std::string()>& svg) const {
-  if (vectors_) write_atomically(std::filesystem::path(png_).replace_extension(".svg"), svg());
+  if (png_.empty() || !vectors_) return;
+  write_atomically(std::filesystem::path(png_).replace_extension(".svg"), svg());
 }
 
 void PictureFile::paint(Picture picture) const {
+  if (png_.empty()) return;
   if (queue_ != nullptr) {
     queue_->add(png_, std::move(picture));
   } else {

@@ -20,12 +20,14 @@
 
 #include "base/error.h"
 #include "io/picture/letters.h"
+#include "io/picture_file.h"
 
 namespace chladni::picture {
 namespace {
 
-constexpr int kFiner = 2;       // the picture is painted larger by this factor
-constexpr int kLongest = 8192;  // [px] Mesa paints twice that; a larger window stays black
+constexpr int kFiner = 2;  // the picture is painted larger by this factor
+// [px] Mesa paints twice that; a larger window stays black.
+constexpr int kLongest = static_cast<int>(io::kLongestPicture);
 
 void require_size(int width, int height, int longest) {
   require(std::min(width, height) >= 1 && std::max(width, height) <= longest,
@@ -170,8 +172,8 @@ void Canvas::polygons(const std::vector<std::vector<Eigen::Vector2d>>& paths,
   add_paths(paths, colour, 1.0, true);
 }
 
-void Canvas::add_paths(const std::vector<std::vector<Eigen::Vector2d>>& paths,
-                       const Colour& colour, double width, bool filled) {
+void Canvas::add_paths(const std::vector<std::vector<Eigen::Vector2d>>& paths, const Colour& colour,
+                       double width, bool filled) {
   vtkNew<vtkPoints> points;
   vtkNew<vtkCellArray> cells;
   for (const auto& path : paths) {

@@ -132,6 +132,15 @@ io::ResultTable gain_table(const steps::Diagnosed& one) {
   return table;
 }
 
+// Whether the causes pay. The fitted model is asked where no extended study was solved. Causes of
+// modes are also judged by frequencies and shapes, which it does not give: it speaks for them
+// alone.
+std::optional<bool> told_to_pay(const steps::Diagnosed& one) {
+  if (one.gain.pays) return one.gain.pays;
+  const bool is_doubt = !one.gain.fitted_pays.value_or(true);
+  return steps::is_of_modes(one) && is_doubt ? std::nullopt : one.gain.fitted_pays;
+}
+
 std::vector<std::string> gain_lines(const steps::Diagnosed& one) {
   const auto& gain = one.gain;
   std::vector<std::string> lines;
@@ -142,10 +151,9 @@ std::vector<std::string> gain_lines(const steps::Diagnosed& one) {
     lines.emplace_back(
         "after: the reduced model of the fit with all causes (extended.toml lacks one, or was not "
         "solved)");
-    if (!gain.pays && gain.fitted_pays) {
-      lines.emplace_back(*gain.fitted_pays
-                             ? "by it the causes pay; extended.toml does not express them"
-                             : "by it the causes do not pay; extended.toml does not express them");
+    const auto pays = told_to_pay(one);
+    if (!gain.pays && pays) {
+      lines.emplace_back(*pays ? "by it the causes pay" : "by it the causes do not pay");
     }
   }
   if (gain.from == steps::GainFrom::fitted_model && gain.pays) {
@@ -184,7 +192,7 @@ std::string gain_text(const steps::Diagnosed& one) {
 
 io::JsonObject gain_json(const steps::Diagnosed& one) {
   const auto& gain = one.gain;
-  const auto pays = gain.pays ? gain.pays : gain.fitted_pays;
+  const auto pays = told_to_pay(one);
   io::JsonObject json{
       {"from", is_changed(gain) ? io::Json(std::string(steps::name(gain.from))) : io::Json()},
       {"fit", io::JsonObject{{"before", gain.fit_before}, {"after", gain.fit_after}}},

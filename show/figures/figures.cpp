@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <memory>
 #include <optional>
 
 #include "base/error.h"
@@ -66,12 +68,13 @@ io::Json stored(const Path& file) {
 // Without the commit, which differs between builds of one version.
 std::string release(const std::string& version) { return version.substr(0, version.find('+')); }
 
-// "; it is of Chladni 0.1.0, and this is 0.2.0: run the verb again" where that is so.
+// "; it is of Chladni 0.1.0, and this is 0.2.0: run its verb again" where that is so.
 std::string of_another_version(const io::Json& content) {
-  std::string written = "an unknown version";
+  std::string written;
   try {
     written = release(content.at("chladni").string());
-  } catch (const InvalidInput&) {  // no header
+  } catch (const InvalidInput&) {
+    return "; it does not state which Chladni wrote it";
   }
   const auto own = release(version());
   if (written == own) return "";
@@ -85,32 +88,66 @@ std::string fault_of(const StoredFigure& figure, const Path& file, const io::Jso
     figure.draw(file, content, picture);
     return "";
   } catch (const InvalidInput& fault) {
-    return file.filename().string() + ": " + fault.what() + of_another_version(content);
+    const std::string reason = fault.what();
+    // A key is missing or of another kind: the file has another layout.
+    const bool is_of_layout = reason.starts_with("JSON: ");
+    return file.filename().string() + ": " + reason +
+           (is_of_layout ? of_another_version(content) : "");
   }
 }
 
 /// A figure of the folder with its data.
 struct Found {
   FolderFigure figure;
-  const StoredFigure* drawn = nullptr;  ///< null: nothing is stored
-  io::Json content;
+  const StoredFigure* drawn = nullptr;      ///< null: nothing is stored
+  std::shared_ptr<const io::Json> content;  ///< of the file; null: nothing is stored
 };
 
-// No file is left: what would be drawn is thrown away.
-io::PictureFile nowhere() { return {Path(), nullptr, io::Print{.svg = false, .png = false}}; }
+// The files of a folder, each read once.
+class StoredFiles {
+ public:
+  explicit StoredFiles(Path folder) : folder_(std::move(folder)) {}
 
-std::vector<Found> found_in(const Path& folder) {
-  std::vector<Found> all;
-  for (const auto& figure : stored_figures()) {
-    for (const auto& name : figure.files) {
-      if (!is_file(folder / name)) continue;
-      auto content = stored(folder / name);
-      auto reason = fault_of(figure, folder / name, content, nowhere());
-      all.push_back({{std::string(figure.name), std::string(figure.meaning), name, reason, {}},
-                     &figure,
-                     std::move(content)});
-      break;
+  // null: there is no such file
+  std::shared_ptr<const io::Json> content(std::string_view name) {
+    const auto [place, is_new] = contents_.try_emplace(std::string(name));
+    if (is_new && is_file(folder_ / name)) {
+      place->second = std::make_shared<const io::Json>(stored(folder_ / name));
     }
+    return place->second;
+  }
+
+ private:
+  Path folder_;
+  std::map<std::string, std::shared_ptr<const io::Json>> contents_;
+};
+
+// The first file from which the figure can be drawn; else all reasons. None: no file is there.
+std::optional<Found> found_figure(const StoredFigure& figure, const Path& folder,
+                                  StoredFiles& files, const io::Print& print) {
+  const io::PictureFile nowhere(Path(), nullptr, print);
+  std::optional<Found> one;
+  for (const auto& name : figure.files) {
+    auto content = files.content(name);
+    if (!content) continue;
+    const auto reason = fault_of(figure, folder / name, *content, nowhere);
+    if (!one || reason.empty()) {
+      one = {{std::string(figure.name), std::string(figure.meaning), name, reason, {}},
+             &figure,
+             std::move(content)};
+    } else {
+      one->figure.reason += "; " + reason;
+    }
+    if (reason.empty()) break;
+  }
+  return one;
+}
+
+std::vector<Found> found_in(const Path& folder, const io::Print& print) {
+  std::vector<Found> all;
+  StoredFiles files(folder);
+  for (const auto& figure : stored_figures()) {
+    if (auto one = found_figure(figure, folder, files, print)) all.push_back(*std::move(one));
   }
   for (const auto& picture : kBound) {
     if (!is_file(folder / (std::string(picture.name) + ".png"))) continue;
@@ -139,14 +176,45 @@ void require_drawable(const std::vector<std::string>& names, const std::vector<F
   }
 }
 
-// Draws into `output`, and tells the files.
-void draw(const Found& one, const Path& folder, const Path& output, const io::Print& print,
-          FolderFigure& figure) {
-  const auto png = output / (figure.name + ".png");
-  const auto from = folder / figure.from;
-  one.drawn->draw(from, one.content, {png, nullptr, print});
-  if (print.svg) figure.files.push_back(figure.name + ".svg");
-  if (print.png) figure.files.push_back(figure.name + ".png");
+// A resolution that is too high for one figure is refused for all: no half of them is left.
+// @throws InvalidInput  only the PNG of a figure cannot be made
+void require_paintable(const std::vector<const Found*>& wanted, const Path& folder,
+                       const io::Print& print) {
+  auto lines = print;
+  lines.png = false;
+  for (const auto* one : wanted) {
+    const auto& figure = one->figure;
+    if (figure.reason.empty() || one->drawn == nullptr) continue;
+    const io::PictureFile nowhere(Path(), nullptr, lines);
+    const auto other = fault_of(*one->drawn, folder / figure.from, *one->content, nowhere);
+    require(!other.empty(), fmt::format("{}: \"{}\" cannot be drawn: {}", folder.string(),
+                                        figure.name, figure.reason));
+  }
+}
+
+// Draws into `output`: all SVGs before the first PNG, which a painter can fail to make.
+void draw(const std::vector<const Found*>& all, const Path& folder, const Path& output,
+          const io::Print& print) {
+  const auto leave = [&](const io::Print& format) {
+    for (const auto* one : all) {
+      if (!one->figure.reason.empty()) continue;
+      const auto png = output / (one->figure.name + ".png");
+      one->drawn->draw(folder / one->figure.from, *one->content, {png, nullptr, format});
+    }
+  };
+  auto only = print;
+  only.png = false;
+  if (print.svg) leave(only);
+  only = print;
+  only.svg = false;
+  if (print.png) leave(only);
+}
+
+// Why none of them can be drawn.
+std::string reasons_of(const std::vector<Found>& all) {
+  std::string reasons;
+  for (const auto& one : all) reasons += "\n  " + one.figure.name + ": " + one.figure.reason;
+  return reasons;
 }
 
 }  // namespace
@@ -165,28 +233,32 @@ std::filesystem::path results_folder(const std::filesystem::path& results) {
   return folder;
 }
 
-std::vector<FolderFigure> figures_in(const std::filesystem::path& folder) {
+std::vector<FolderFigure> figures_in(const std::filesystem::path& folder, const io::Print& print) {
   std::vector<FolderFigure> figures;
-  for (auto& one : found_in(folder)) figures.push_back(std::move(one.figure));
+  for (auto& one : found_in(folder, print)) figures.push_back(std::move(one.figure));
   return figures;
 }
 
 std::vector<FolderFigure> draw_figures(const FiguresWanted& wanted) {
-  const auto all = found_in(wanted.folder);
+  const auto all = found_in(wanted.folder, wanted.print);
   require_drawable(wanted.names, all, wanted.folder);
-  const auto is_wanted = [&](const Found& one) {
-    return wanted.names.empty() || std::ranges::count(wanted.names, one.figure.name) > 0;
-  };
-  require(std::ranges::any_of(all, [](const Found& one) { return one.figure.reason.empty(); }),
-          wanted.folder.string() +
-              ": no figure can be drawn from what is there; `chladni figure "
-              "RESULTS --list` says why");
-  const OutputFolder output(wanted.output.empty() ? wanted.folder : wanted.output);
-  std::vector<FolderFigure> figures;
+  std::vector<const Found*> chosen;
   for (const auto& one : all) {
-    if (!is_wanted(one)) continue;
-    auto& figure = figures.emplace_back(one.figure);
-    if (figure.reason.empty()) draw(one, wanted.folder, output.path(), wanted.print, figure);
+    if (wanted.names.empty() || std::ranges::count(wanted.names, one.figure.name) > 0) {
+      chosen.push_back(&one);
+    }
+  }
+  require_paintable(chosen, wanted.folder, wanted.print);
+  require(std::ranges::any_of(all, [](const Found& one) { return one.figure.reason.empty(); }),
+          wanted.folder.string() + ": no figure can be drawn from what is there" + reasons_of(all));
+  const OutputFolder output(wanted.output.empty() ? wanted.folder : wanted.output);
+  draw(chosen, wanted.folder, output.path(), wanted.print);
+  std::vector<FolderFigure> figures;
+  for (const auto* one : chosen) {
+    auto& figure = figures.emplace_back(one->figure);
+    if (!figure.reason.empty()) continue;
+    if (wanted.print.svg) figure.files.push_back(figure.name + ".svg");
+    if (wanted.print.png) figure.files.push_back(figure.name + ".png");
   }
   return figures;
 }

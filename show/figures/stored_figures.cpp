@@ -49,9 +49,11 @@ Eigen::MatrixXd stored_rows(const io::Json& json, Eigen::Index columns) {
   return matrix;
 }
 
-// The member of an object; null: it has none.
+// The member of an object; null: it has none, or is no object.
 const io::Json* member(const io::Json& json, std::string_view key) {
-  for (const auto& [name, value] : std::get<io::JsonObject>(json.value())) {
+  const auto* object = std::get_if<io::JsonObject>(&json.value());
+  if (object == nullptr) return nullptr;
+  for (const auto& [name, value] : *object) {
     if (name == key) return &value;
   }
   return nullptr;
@@ -72,9 +74,32 @@ io::PlotSeries stored_series(const char* name, const std::vector<double>& x,
           .width = 0.0};
 }
 
+// A count or a number of a mode.
+int whole_number(const io::Json& json) {
+  constexpr double kMostWhole = 1e6;
+  const double number = json.number();
+  require(number >= 0.0 && number <= kMostWhole && std::floor(number) == number,
+          fmt::format("found {:.6g}, expected a whole number from 0 to 1000000", number));
+  return static_cast<int>(number);
+}
+
 // What was compared: of diagnosis.json the part before the causes.
 const io::Json& compared_part(const Path& file, const io::Json& content) {
-  return file.filename() == "diagnosis.json" ? content.at("discrepancy") : content;
+  if (file.filename() != "diagnosis.json") return content;
+  const auto& compared = content.at("discrepancy");
+  require(!std::holds_alternative<std::monostate>(compared.value()),
+          "a diagnosis by modes compared no responses");
+  return compared;
+}
+
+// The same, of responses. Pairs of modes that were compared alone have no numbers.
+const io::Json& compared_responses(const Path& file, const io::Json& content) {
+  const auto& compared = compared_part(file, content);
+  const auto& pairs = compared.at("modes").array();
+  const bool is_of_modes = !pairs.empty() && member(pairs.front(), "measured_hz") != nullptr &&
+                           member(pairs.front(), "measured_mode") == nullptr;
+  require(!is_of_modes, "a comparison of modes alone has no MAC and no responses");
+  return compared;
 }
 
 std::vector<std::string> names_in(const io::Json& channels) {
@@ -87,12 +112,12 @@ std::vector<std::string> names_in(const io::Json& channels) {
 std::map<int, double> frequencies_in(const io::Json& compared, const std::string& side) {
   std::map<int, double> hertz;
   for (const auto& pair : compared.at("modes").array()) {
-    const int mode = static_cast<int>(pair.at(side + "_mode").number());
+    const int mode = whole_number(pair.at(side + "_mode"));
     hertz[mode] = stored_number(pair.at(side + "_hz"));
   }
   const auto add = [&](const std::string& list) {
     for (const auto& one : compared.at(list).array()) {
-      hertz[static_cast<int>(one.at("mode").number())] = stored_number(one.at("frequency_hz"));
+      hertz[whole_number(one.at("mode"))] = stored_number(one.at("frequency_hz"));
     }
   };
   const bool simulated = side == "simulated";
@@ -105,14 +130,14 @@ std::vector<double> frequencies_of(const io::Json& compared, const std::string& 
   const auto hertz = frequencies_in(compared, side);
   std::vector<double> all;
   for (const auto& mode : compared.at("mac").at(side + "_modes").array()) {
-    const auto found = hertz.find(static_cast<int>(mode.number()));
+    const auto found = hertz.find(whole_number(mode));
     all.push_back(found == hertz.end() ? NAN : found->second);
   }
   return all;
 }
 
 void draw_stored_mac(const Path& file, const io::Json& content, const io::PictureFile& picture) {
-  const auto& compared = compared_part(file, content);
+  const auto& compared = compared_responses(file, content);
   diagnosis::Comparison comparison;
   auto& modes = comparison.modes;
   modes.simulated_hz = frequencies_of(compared, "simulated");
@@ -123,7 +148,7 @@ void draw_stored_mac(const Path& file, const io::Json& content, const io::Pictur
 }
 
 void draw_stored_errors(const Path& file, const io::Json& content, const io::PictureFile& picture) {
-  const auto& compared = compared_part(file, content);
+  const auto& compared = compared_responses(file, content);
   diagnosis::Comparison comparison;
   auto& r = comparison.responses;
   r.outputs = names_in(compared.at("sensors"));
@@ -135,11 +160,13 @@ void draw_stored_errors(const Path& file, const io::Json& content, const io::Pic
     require(i < r.error.rows() && j < r.error.cols(), "a response of channels that are not listed");
     r.error(i, j) = stored_number(one.at("relative_error"));
   }
+  require(r.error.size() > 0, "no responses were compared");
   draw_errors(picture, comparison);
 }
 
-void draw_stored_errors_over_frequency(const Path& /*file*/, const io::Json& content,
+void draw_stored_errors_over_frequency(const Path& file, const io::Json& content,
                                        const io::PictureFile& picture) {
+  (void)compared_part(file, content);  // says so where responses were not compared
   const auto& stored = content.at("errors_over_frequency");
   steps::ErrorsOverFrequency errors;
   errors.frequency_hz = stored_vector(stored.at("frequency_hz"));
@@ -163,7 +190,7 @@ void draw_stored_stabilisation(const Path& /*file*/, const io::Json& content,
   };
   for (const auto& point : content.at("stabilisation").array()) {
     auto& one = model.stabilisation.emplace_back();
-    one.order = static_cast<decltype(one.order)>(point.at("order").number());
+    one.order = whole_number(point.at("order"));
     one.frequency_hz = point.at("frequency_hz").number();
     one.stable_frequency = is_true(point.at("stable_frequency"));
     one.stable_damping = is_true(point.at("stable_damping"));

@@ -14,7 +14,8 @@ namespace chladni::show {
 /// A figure that can be drawn from one stored file.
 struct StoredFigure {
   std::string_view name, meaning;
-  std::vector<std::string_view> files;  ///< the first of these that is there has the data
+  std::vector<std::string_view>
+      files;  ///< the first of these from which it can be drawn has the data
   /// @param content  of the file; null if that is no JSON
   /// @throws InvalidInput  the data of this figure are not in it
   void (*draw)(const std::filesystem::path& file, const io::Json& content,

@@ -52,17 +52,50 @@ Index take_variances(modal::FrfSet& set, const Lacks& lacks) {
   return taken;
 }
 
-// Estimates variances that the file does not state from the scatter of the lines. A single variance
-// of 0 is not stated either: the line has that of its neighbours, as in an identification.
+// Leaves out what exporters write where nothing was excited: a response of 0 beside a variance of
+// 0, on single lines or on all of a response. Returns their number.
+Index leave_out_unmeasured(modal::FrfSet& set) {
+  Index left_out = 0;
+  for (std::size_t k = 0; k < set.value.size(); ++k) {
+    for (Index e = 0; e < set.value[k].size(); ++e) {
+      if (set.value[k](e) != 0.0 || set.variance[k](e) != 0.0) continue;
+      set.value[k](e) = kNotMeasured;
+      set.variance[k](e) = kNotMeasured;
+      ++left_out;
+    }
+  }
+  return left_out;
+}
+
+// True if a measured value has a variance of 0.
+bool lacks_some_variance(const modal::FrfSet& set) {
+  for (std::size_t k = 0; k < set.value.size(); ++k) {
+    for (Index e = 0; e < set.value[k].size(); ++e) {
+      if (set.variance[k](e) == 0.0 && std::isfinite(std::abs(set.value[k](e)))) return true;
+    }
+  }
+  return false;
+}
+
+// A single variance of 0 is not stated: the line has that of its neighbours, as in an
+// identification.
+void complete_variances(modal::FrfSet& set, stage::Work& work) {
+  if (const auto unmeasured = leave_out_unmeasured(set); unmeasured > 0) {
+    work.note(
+        fmt::format("{} measured values are 0 and so are their variances: left out as not "
+                    "measured",
+                    unmeasured));
+  }
+  if (!lacks_some_variance(set)) return;
+  const auto taken = take_variances(set, [](double variance) { return variance == 0.0; });
+  work.note(fmt::format("{} of the stated variances are 0: those of neighbouring lines are taken",
+                        taken));
+}
+
+// Estimates variances that the file does not state from the scatter of the lines.
 void state_variance(modal::FrfSet& set, stage::Work& work) {
   if (states_variances(set)) {
-    const bool some = std::ranges::any_of(
-        set.variance, [](const auto& line) { return (line.array() == 0.0).any(); });
-    if (!some) return;
-    const auto taken = take_variances(set, [](double variance) { return variance == 0.0; });
-    if (taken == 0) return;
-    work.note(fmt::format("{} of the stated variances are 0: those of neighbouring lines are taken",
-                          taken));
+    complete_variances(set, work);
     return;
   }
   work.warn(

@@ -17,8 +17,9 @@ namespace chladni::steps {
 
 /// The responses for a diagnosis: receptances within the band, below the last mode at `highest_hz`,
 /// with variances: estimated where the file states none, of neighbouring lines where one is 0. A
-/// response of 0 beside a variance of 0 was not measured.
-/// @throws InvalidInput  fewer than 16 lines are left
+/// response of 0 beside a variance of 0 was not measured, on single lines or on all. Notes count
+/// both.
+/// @throws InvalidInput  fewer than 16 lines are left, or fit_data refuses the variances
 [[nodiscard]] MeasuredFrfs within_band(MeasuredFrfs measured, const study::Study& study,
                                        const study::DiagnosisPlan& plan, double highest_hz,
                                        stage::Work& work);

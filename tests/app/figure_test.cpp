@@ -67,6 +67,30 @@ TEST_F(FigureVerb, OneFormatIntoAnotherFolder) {
   EXPECT_EQ(json.at("figures").array()[0].at("from").string(), "comparison.json");
 }
 
+// 76.2 mm are 3 inches: the product in floating point is a rounding above 900.
+TEST_F(FigureVerb, WholePixelsStayWhole) {
+  leave_comparison("out");
+  const auto done = run({"figure", "out", "mac", "--width", "76.2", "--format", "png"});
+  ASSERT_EQ(done.status, 0) << done.err;
+  EXPECT_EQ(word(whole(folder_ / "out/mac.png"), 16), 900U);
+  EXPECT_FALSE(fs::exists(folder_ / "out/mac.svg"));
+}
+
+// An option takes one word, so names may stand behind it.
+TEST_F(FigureVerb, OptionsMayStandBeforeTheNames) {
+  leave_comparison("out");
+  const auto before = run({"figure", "--format", "svg", "out", "mac"});
+  ASSERT_EQ(before.status, 0) << before.err;
+  EXPECT_EQ(left("out"), (std::vector<std::string>{"comparison.json", "mac.svg"}));
+  const auto between = run({"figure", "out", "--format", "svg", "errors", "-o", "paper"});
+  ASSERT_EQ(between.status, 0) << between.err;
+  EXPECT_EQ(std::ranges::count(left("paper"), "errors.svg"), 1);
+  EXPECT_EQ(std::ranges::count(left("paper"), "errors.png"), 0);
+  const auto both = run({"figure", "--list", "--format", "svg,png", "out"});
+  EXPECT_EQ(both.status, 0) << both.err;
+  EXPECT_NE(run({"figure", "--format", "svg,pdf", "out"}).status, 0);
+}
+
 TEST_F(FigureVerb, ListDrawsNothingAndSaysWhyNot) {
   leave_comparison("out");
   write("out/responses.png", "a picture");
@@ -96,6 +120,110 @@ TEST_F(FigureVerb, WhatIsNoResultIsRefused) {
   EXPECT_EQ(left("out"), std::vector<std::string>{"comparison.json"});
 }
 
+// The limit is that of the painter: 8192 px along a side, 20 million in all.
+TEST_F(FigureVerb, WhatThePainterCannotDrawIsRefusedBeforeAFileIsWritten) {
+  leave_comparison("out");
+  for (const char* name : {"frequency_errors", "mac"}) {
+    const auto done = run({"figure", "out", name, "--width", "400", "--dpi", "600", "-o", "paper"});
+    EXPECT_EQ(done.status, 3) << name;
+    EXPECT_TRUE(says(done.err, "at 400 mm at most ")) << name;
+    EXPECT_FALSE(fs::exists(folder_ / "paper")) << name;
+  }
+  const auto all = run({"figure", "out", "--width", "400", "--dpi", "600", "-o", "paper"});
+  EXPECT_EQ(all.status, 3);
+  EXPECT_TRUE(says(all.err, "at 400 mm at most "));
+  EXPECT_FALSE(fs::exists(folder_ / "paper"));
+  // One that is too large is enough: 160 mm at 1100 dpi is for the flat `errors` only.
+  const auto some = run({"figure", "out", "--dpi", "1100", "-o", "paper"});
+  EXPECT_EQ(some.status, 3);
+  EXPECT_TRUE(says(some.err, "at 160 mm at most "));
+  EXPECT_FALSE(fs::exists(folder_ / "paper"));
+  // An SVG has no pixels.
+  const std::vector<std::string> lines = {"figure", "out",      "--width", "400", "--dpi",
+                                          "600",    "--format", "svg",     "-o",  "lines"};
+  EXPECT_EQ(run(lines).status, 0);
+  EXPECT_EQ(left("lines").size(), 3U);
+}
+
+// A matrix of many rows is higher than wide; what fits at this width is drawn.
+TEST_F(FigureVerb, TheHeightIsLimitedAsTheWidthIs) {
+  std::string sensors;
+  for (int i = 0; i < 150; ++i) {
+    const auto name = "\"s" + std::to_string(i) + "\"";
+    sensors += (i > 0 ? ", {\"name\": " : "{\"name\": ") + name + "}";
+  }
+  fs::create_directories(folder_ / "out");
+  write("out/comparison.json", R"({"chladni": ")" + show::version() + R"(", "modes": [],
+"sensors": [)" + sensors + R"(], "actuators": [{"name": "a1"}], "per_channel": []})");
+  const auto done = run({"figure", "out", "errors", "--width", "88", "--dpi", "600"});
+  EXPECT_EQ(done.status, 3);
+  EXPECT_TRUE(says(done.err, "expected at most 8192 along a side"));
+  EXPECT_EQ(left("out"), std::vector<std::string>{"comparison.json"});
+}
+
+TEST_F(FigureVerb, NamesThatLeaveNoRoomAreRefusedWithTheWidthThatDoes) {
+  leave_comparison("out");
+  auto text = whole(folder_ / "out/comparison.json");
+  for (auto at = text.find("\"s1\""); at != std::string::npos; at = text.find("\"s1\"", at)) {
+    text.replace(at, 4, "\"accelerometer_upper_left_z\"");
+  }
+  write("out/comparison.json", text);
+  const auto narrow = run({"figure", "out", "errors", "--width", "40", "--format", "svg"});
+  EXPECT_EQ(narrow.status, 3);
+  const std::string words = "at 40 mm: it takes ";
+  ASSERT_TRUE(says(narrow.err, words));
+  EXPECT_EQ(left("out"), std::vector<std::string>{"comparison.json"});
+  const auto enough = narrow.err.substr(narrow.err.find(words) + words.size(), 2);
+  EXPECT_EQ(run({"figure", "out", "errors", "--width", enough, "--format", "svg"}).status, 0);
+  EXPECT_EQ(
+      run({"figure", "out", "errors", "--width", std::to_string(std::stoi(enough) - 1)}).status, 3);
+  // Without a name the others are drawn, and the reason is told.
+  const auto all = run({"figure", "out", "--width", "40", "--format", "svg"});
+  EXPECT_EQ(all.status, 0) << all.err;
+  EXPECT_TRUE(says(all.out, "not drawn: comparison.json: the names leave no room"));
+}
+
+// Modes that were compared alone have no MAC; a comparison beside them has.
+TEST_F(FigureVerb, TheNextFileHasWhatTheFirstLacks) {
+  fs::create_directories(folder_ / "out");
+  write("out/diagnosis.json", R"({"chladni": ")" + show::version() + R"(", "discrepancy": null})");
+  const auto alone = run({"figure", "out", "mac"});
+  EXPECT_EQ(alone.status, 3);
+  EXPECT_TRUE(says(alone.err, "a diagnosis by modes compared no responses"));
+  EXPECT_FALSE(says(alone.err, "it is of Chladni"));
+  leave_comparison("out");
+  const auto both = run({"figure", "out", "mac", "--format", "svg", "--json"});
+  ASSERT_EQ(both.status, 0) << both.err;
+  const auto json = io::parse_json(both.out);
+  EXPECT_EQ(json.at("figures").array()[0].at("from").string(), "comparison.json");
+}
+
+// As `compare` leaves it of modes: these have no numbers.
+TEST_F(FigureVerb, AComparisonOfModesAloneSaysWhatItLacks) {
+  fs::create_directories(folder_ / "out");
+  write("out/comparison.json", R"({"chladni": ")" + show::version() + R"(", "modes":
+[{"simulated_hz": 100.0, "measured_hz": 103.0, "change": 0.03, "mac": null}]})");
+  for (const char* name : {"mac", "errors"}) {
+    const auto done = run({"figure", "out", name});
+    EXPECT_EQ(done.status, 3) << name;
+    EXPECT_TRUE(says(done.err, "a comparison of modes alone has no MAC and no responses")) << name;
+  }
+  EXPECT_EQ(run({"figure", "out", "frequency_errors", "--format", "svg"}).status, 0);
+}
+
+TEST_F(FigureVerb, NumbersThatNumberNothingAreAReason) {
+  leave_comparison("out");
+  const auto text = whole(folder_ / "out/comparison.json");
+  for (const char* number : {"1e300", "-1", "7.5"}) {
+    auto other = text;
+    other.replace(other.find("[7, 8]"), 6, std::string("[") + number + ", 8]");
+    write("out/comparison.json", other);
+    const auto done = run({"figure", "out", "mac"});
+    EXPECT_EQ(done.status, 3) << number;
+    EXPECT_TRUE(says(done.err, "expected a whole number")) << number;
+  }
+}
+
 TEST_F(FigureVerb, AnotherVersionIsNamedWhereItsDataAreOthers) {
   fs::create_directories(folder_ / "out");
   write("out/comparison.json", R"({"chladni": "0.0.1+g1", "modes": []})");
@@ -104,6 +232,18 @@ TEST_F(FigureVerb, AnotherVersionIsNamedWhereItsDataAreOthers) {
   EXPECT_TRUE(says(done.err, "it is of Chladni 0.0.1"));
   leave_comparison("old", "0.0.1+g1");  // the same data are drawn
   EXPECT_EQ(run({"figure", "old", "--format", "svg"}).status, 0);
+  write("out/comparison.json", R"({"modes": []})");
+  EXPECT_TRUE(says(run({"figure", "out", "mac"}).err, "it does not state which Chladni wrote it"));
+}
+
+// Another run leaves no diagram either.
+TEST_F(FigureVerb, TheVersionIsNoReasonWhereNothingWasAskedFor) {
+  fs::create_directories(folder_ / "out");
+  write("out/identified.json", R"({"chladni": "0.0.1+g1", "modes": [], "stabilisation": []})");
+  const auto done = run({"figure", "out", "stabilisation"});
+  EXPECT_EQ(done.status, 3);
+  EXPECT_TRUE(says(done.err, "no diagram was made"));
+  EXPECT_FALSE(says(done.err, "it is of Chladni"));
 }
 
 }  // namespace

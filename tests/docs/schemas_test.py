@@ -101,6 +101,7 @@ RECORDED = """
 time = "recorded/simulate/time_data.csv"
 [identification]
 damping = "general"
+stabilisation = 12
 [experiment]
 leaves = "time"
 lines = "odd_with_detection"
@@ -292,6 +293,14 @@ class Files(unittest.TestCase):
         for name in left:
             self.agrees(out / name, "state_space.json" if name == "simulated_state_space.json" else None)
 
+    def all_drawn(self, out, names):
+        """`figure` draws these from what a verb left, no reason is against any, and its answer agrees."""
+        command = [CHLADNI, "figure", out, "--format", "svg", "--json", "-o", out / "figures"]
+        answer = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
+        (self.folder / "figure.json").write_text(answer)
+        figures = self.agrees(self.folder / "figure.json")["figures"]
+        self.assertEqual({one["name"]: one["reason"] for one in figures}, dict.fromkeys(names))
+
     def test_of_the_simulation(self):
         for verb in ("check", "mesh", "modes", "export", "place", "priors"):
             self.all_agree(self.run_verb(verb, self.study))
@@ -317,6 +326,7 @@ class Files(unittest.TestCase):
     def test_of_measured_data(self):
         for verb in ("simulate", "identify", "interpolate", "compare", "observe"):
             self.all_agree(self.run_verb(verb, self.study))
+        self.all_drawn(self.folder / "study/compare", {"frequency_errors", "mac", "errors"})
         whole = self.folder / "whole.toml"
         whole.write_text(self.study.read_text().split("[diagnosis]")[0] + channels())
         self.all_agree(self.run_verb("study", whole), without={"diagnosis.json"})
@@ -335,6 +345,7 @@ class Files(unittest.TestCase):
         told = json.loads((out / "identified.json").read_text())
         self.assertLessEqual({"data_quality", "complex_shapes", "rigid_body"}, set(told))
         self.assertIn("distortion", told["data_quality"])
+        self.all_drawn(out, {"stabilisation"})
 
     def test_a_comparison_is_one_of_responses_or_of_modes(self):
         """Neither passes as the other."""
@@ -352,6 +363,7 @@ class Files(unittest.TestCase):
         self.all_agree(out)
         told = json.loads((out / "diagnosis.json").read_text())
         self.assertEqual([c["effect"] for c in told["causes"]], ["point_mass"])
+        self.all_drawn(out, {"frequency_errors", "mac", "errors", "errors_over_frequency"})
 
     def diagnosed_modes(self):
         modes = self.run_verb("modes", self.study) / "modes.json"
@@ -376,8 +388,7 @@ class Files(unittest.TestCase):
             self.all_agree(self.run_verb("experiment", study))
 
     def test_of_a_sweep(self):
-        plan = self.folder / "plan.toml"
-        plan.write_text(PLAN.replace('"9 mm"', '"9 mm"'))
+        (plan := self.folder / "plan.toml").write_text(PLAN)
         out = self.run_verb("sweep", plan)
         table = self.agrees(out / "sweep.json")
         self.assertEqual(len(table["variants"]), 2)

@@ -39,6 +39,14 @@ TEST_F(Told, AGainOfASensorIsJudgedByShapesWhereResonancesMiss) {
   EXPECT_EQ(one.result.best.causes.front().effect, "sensor_gain");
   EXPECT_TRUE(one.gain.pays.value_or(false)) << show::diagnosis_table(one);
   EXPECT_LT(one.gain.shapes_after, 0.5 * one.gain.shapes_before);
+  // The fitted model alone says nothing of causes that the modes name: it is not told to.
+  auto unsolved = one;
+  unsolved.gain.from = GainFrom::fitted_model;
+  unsolved.gain.pays.reset();
+  unsolved.gain.fitted_pays = false;
+  const auto json = io::Json(show::diagnosis_json(unsolved));
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(json.at("gain").at("pays").value()));
+  EXPECT_EQ(show::diagnosis_table(unsolved).find("by it the causes"), std::string::npos);
   EXPECT_NE(one.result.verdict, Verdict::unexplained) << show::diagnosis_table(one);
 }
 

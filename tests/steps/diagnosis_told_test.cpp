@@ -112,7 +112,19 @@ TEST_F(Told, ACauseThatNoStudyExpressesHasAGainWithoutAnotherSolution) {
   EXPECT_EQ(json.at("not_in_extended_study").array().size(), 1U);
   EXPECT_EQ(json.at("gain").at("fitted").at("sensors").array().size(), 2U);
   EXPECT_EQ(json.at("gain").at("held_out_channels").array().front().string(), "s3");
-  EXPECT_NE(show::diagnosis_table(one).find("reduced model"), std::string::npos);
+  EXPECT_TRUE(std::get<bool>(json.at("gain").at("pays").value()));
+  const auto text = show::diagnosis_table(one);
+  EXPECT_NE(text.find("reduced model"), std::string::npos) << text;
+  EXPECT_NE(text.find("by it the causes pay\n"), std::string::npos) << text;
+  auto in_vain = one;
+  in_vain.gain.fitted_pays = false;
+  const auto of_modes = io::Json(show::diagnosis_json(in_vain));
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(of_modes.at("gain").at("pays").value()));
+  in_vain.result.modes.clear();
+  const auto told = io::Json(show::diagnosis_json(in_vain));
+  EXPECT_FALSE(std::get<bool>(told.at("gain").at("pays").value()));
+  EXPECT_NE(show::diagnosis_table(in_vain).find("by it the causes do not pay\n"),
+            std::string::npos);
 }
 
 TEST_F(Told, AnExtendedStudyThatCannotBeSolvedCostsNothingElse) {
@@ -132,6 +144,10 @@ TEST_F(Told, AnExtendedStudyThatCannotBeSolvedCostsNothingElse) {
   EXPECT_NE(left("extended.toml").find("# This study could not be solved"), std::string::npos);
   EXPECT_EQ(one.gain.from, steps::GainFrom::fitted_model);
   EXPECT_LT(one.gain.held_out_after, 0.3 * one.gain.held_out_before);
+  EXPECT_TRUE(std::get<bool>(json.at("gain").at("pays").value()));
+  const auto text = show::diagnosis_table(one);  // a study could express the cause
+  EXPECT_NE(text.find("by it the causes pay\n"), std::string::npos) << text;
+  EXPECT_EQ(text.find("does not express"), std::string::npos) << text;
 }
 
 // One record without a unit takes the scale from none that states its own.
@@ -209,6 +225,37 @@ TEST_F(Told, AVarianceOfZeroIsThatOfTheNeighbours) {
       EXPECT_EQ(some.variance[k], all.variance[k]) << k;
     }
   }
+}
+
+/// Keeps the notes.
+class Noted : public stage::Work {
+ public:
+  void note(std::string_view line) override { said += std::string(line) + "\n"; }
+  std::string said;
+};
+
+// Each is counted for itself: lines of full coherence, and lines that nobody excited, single or all
+// of a response.
+TEST_F(Told, WhatWasNotMeasuredIsNotAVarianceOfTheNeighbours) {
+  const auto study = study_of({}, "\"sensor_gain\"");
+  const auto within = [&](const std::vector<std::size_t>& coherent, bool has_unmeasured) {
+    Noted work;
+    auto measured = steps::measured_frfs(study, work);
+    for (const auto k : coherent) measured.all.variance[k](0, 1) = 0.0;
+    for (std::size_t k = 0; k < measured.all.value.size() && has_unmeasured; ++k) {
+      measured.all.value[k](1, 2) = 0.0;
+      measured.all.variance[k](1, 2) = 0.0;
+    }
+    const auto all = steps::within_band(measured, study, steps::plan_of(study), 500.0, work).all;
+    return std::pair(all, work.said);
+  };
+  const auto [all, said] = within({50, 60}, true);
+  const auto lines = std::to_string(all.value.size());
+  EXPECT_NE(said.find(lines + " measured values are 0"), std::string::npos) << said;
+  EXPECT_NE(said.find("2 of the stated variances are 0"), std::string::npos) << said;
+  for (const auto& line : all.value) EXPECT_TRUE(std::isnan(line(1, 2).real()));
+  EXPECT_EQ(within({}, true).second.find("of the stated variances"), std::string::npos);
+  EXPECT_EQ(within({50}, false).second.find("measured values are 0"), std::string::npos);
 }
 
 TEST_F(Told, CtrlCIsNoNote) {

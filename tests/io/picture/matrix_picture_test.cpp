@@ -100,5 +100,28 @@ TEST_F(DrawMatrix, RefusesWhatDoesNotFit) {
   EXPECT_FALSE(fs::exists(png_));
 }
 
+// Squares beside long names lie on the sheet: the picture is as wide as they need.
+TEST_F(DrawMatrix, LongNamesMakeTheScreensPictureWider) {
+  auto picture = picture_of(2, 3);
+  picture.rows[0] = std::string(150, 'm');
+  picture.value.setOnes();
+  EXPECT_GT(dark_pixels(picture), 3 * 2 * 4);
+  vtkNew<vtkPNGReader> reader;
+  reader->SetFileName(png_.c_str());
+  reader->Update();
+  EXPECT_GT(reader->GetOutput()->GetDimensions()[0], 1000);
+}
+
+// Without a file only the refusal is left.
+TEST_F(DrawMatrix, WhatIsDrawnNowhereLeavesNothing) {
+  const auto picture = picture_of(4, 6);
+  const auto on = [](double width_mm, double dpi) {
+    return PictureFile({}, nullptr, Print{.width_mm = width_mm, .dpi = dpi});
+  };
+  draw_matrix(on(88.0, 300.0), picture);
+  EXPECT_THROW(draw_matrix(on(400.0, 600.0), picture), InvalidInput);
+  EXPECT_THROW(draw_matrix(on(88.0, 300.0), picture_of(1, 200)), InvalidInput);
+}
+
 }  // namespace
 }  // namespace chladni::io
