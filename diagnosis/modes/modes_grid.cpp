@@ -77,28 +77,28 @@ Values values_of(const Parameter& parameter, const VectorXd& measured_hz) {
   }
 }
 
+bool has_role(const std::vector<Parameter>& parameters, Parameter::Role role) {
+  return std::ranges::find(parameters, role, &Parameter::role) != parameters.end();
+}
+
 // All points of the grid of one choice.
 class Grid {
  public:
   Grid(const Structure& structure, const Effect& effect, const VectorXd& measured_hz,
        StartSizes sizes)
       : structure_(structure), parameters_(effect.parameters(structure)) {
-    bool has_place = false, has_more = false, has_frequency = false;
-    for (const auto& parameter : parameters_) {
-      has_place = has_place || parameter.is_place();
-      has_frequency = has_frequency || parameter.role == Parameter::Role::frequency;
-      has_more = has_more || has_frequency || parameter.role == Parameter::Role::extent;
-    }
-    const bool is_tuned = has_place && has_frequency;
+    const bool tuned = is_tuned(structure, effect);
+    const bool has_place = std::ranges::any_of(parameters_, &Parameter::is_place);
+    const bool has_more = tuned || has_role(parameters_, Parameter::Role::extent);
     for (const auto& parameter : parameters_) {
       values_.push_back(parameter.role == Parameter::Role::strength
-                            ? sizes_of(parameter, is_tuned, sizes)
+                            ? sizes_of(parameter, tuned, sizes)
                             : values_of(parameter, measured_hz));
     }
     if (has_place) places_ = spread(structure.surface.places, has_more ? kFewPlaces : kPlaces);
     x_.resize(static_cast<Index>(parameters_.size()));
     put_all();
-    if (!is_tuned) return;
+    if (!tuned) return;
     tune(measured_hz);
     places_ = spread(structure.surface.places, kTunedPlaces);
     put_all();
@@ -177,6 +177,12 @@ class Grid {
 };
 
 }  // namespace
+
+bool is_tuned(const Structure& structure, const Effect& effect) {
+  const auto parameters = effect.parameters(structure);
+  return std::ranges::any_of(parameters, &Parameter::is_place) &&
+         has_role(parameters, Parameter::Role::frequency);
+}
 
 std::vector<Supposed> grid_of(const Structure& structure, const Effect& effect,
                               const Eigen::VectorXd& measured_hz, StartSizes sizes) {

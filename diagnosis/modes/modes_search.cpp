@@ -30,14 +30,6 @@ struct Candidate {
   double objective = 0.0;  // after a move −ln evidence
 };
 
-// True if an effect has a place and a frequency: each frequency is another mode that splits in two.
-bool is_tuned(const ModesProblem& problem, const Effect& effect) {
-  const auto parameters = effect.parameters(problem.structure());
-  return std::ranges::any_of(parameters, &Parameter::is_place) &&
-         std::ranges::find(parameters, Parameter::Role::frequency, &Parameter::role) !=
-             parameters.end();
-}
-
 // Coordinate of the frequency of a cause that is tuned.
 double frequency_of(const ModesProblem& problem, const Supposed& cause) {
   const auto parameters = cause.effect->parameters(problem.structure());
@@ -48,7 +40,7 @@ double frequency_of(const ModesProblem& problem, const Supposed& cause) {
 // One cause of both, at another size.
 bool is_same(const ModesProblem& problem, const Supposed& a, const Supposed& b) {
   return alike(problem.structure(), a, b) &&
-         (!is_tuned(problem, *a.effect) ||
+         (!is_tuned(problem.structure(), *a.effect) ||
           std::abs(frequency_of(problem, a) - frequency_of(problem, b)) <
               kConstants.same_frequency);
 }
@@ -71,7 +63,7 @@ std::vector<Candidate> first_of(const ModesProblem& problem, std::vector<Candida
 // What tells the starts of one effect apart, wherever they are: the frequency of what is tuned,
 // else all coordinates but the place.
 Eigen::VectorXd coordinates_without_place(const ModesProblem& problem, const Supposed& cause) {
-  if (is_tuned(problem, *cause.effect)) {
+  if (is_tuned(problem.structure(), *cause.effect)) {
     return Eigen::VectorXd::Constant(1, frequency_of(problem, cause));
   }
   Eigen::VectorXd x = cause.x;
@@ -89,14 +81,15 @@ std::vector<Candidate> to_move(const ModesProblem& problem, std::vector<Candidat
                                std::size_t places, std::size_t sizes) {
   auto some = first_of(problem, all, places);
   const std::size_t most = some.size() + sizes;
+  std::vector<Eigen::VectorXd> known;
+  for (const auto& one : some) known.push_back(coordinates_without_place(problem, one.cause));
   std::ranges::stable_sort(all, {}, &Candidate::objective);
   for (const auto& candidate : all) {
     if (some.size() == most) break;
-    const auto x = coordinates_without_place(problem, candidate.cause);
-    const bool is_new = std::ranges::none_of(some, [&](const Candidate& other) {
-      return coordinates_without_place(problem, other.cause) == x;
-    });
-    if (is_new) some.push_back(candidate);
+    auto x = coordinates_without_place(problem, candidate.cause);
+    if (std::ranges::find(known, x) != known.end()) continue;
+    some.push_back(candidate);
+    known.push_back(std::move(x));
   }
   return some;
 }
@@ -120,7 +113,8 @@ std::vector<Candidate> best_of(const ModesLook& look, const ModesProblem& proble
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const std::size_t most = i == 0 ? kMoved : 1;
     const auto modes = static_cast<std::size_t>(problem.measured().count());
-    const std::size_t sizes = i == 0 && is_tuned(problem, effect) ? kMoved + modes : most;
+    const std::size_t sizes =
+        i == 0 && is_tuned(problem.structure(), effect) ? kMoved + modes : most;
     for (auto& one : to_move(problem, std::move(at_level[i]), most, sizes)) {
       auto moved = look.moved(one.cause, i);
       if (!std::isfinite(moved.log_evidence)) continue;
@@ -232,13 +226,17 @@ ModesFit paired_as(const ModesProblem& problem, ModesFit nothing,
   return nothing;
 }
 
+// True if one of the fits is of the same explanation.
+bool is_among(const ModesProblem& problem, const ModesFit& fit, const std::vector<ModesFit>& fits) {
+  return std::ranges::any_of(
+      fits, [&](const ModesFit& other) { return are_alike(problem.structure(), fit, other); });
+}
+
 // Each explanation once, at its best fit. `fits` are sorted.
 std::vector<ModesFit> distinct(const ModesProblem& problem, const std::vector<ModesFit>& fits) {
   std::vector<ModesFit> all;
   for (const auto& fit : fits) {
-    const bool is_new = std::ranges::none_of(
-        all, [&](const ModesFit& other) { return are_alike(problem.structure(), fit, other); });
-    if (is_new) all.push_back(fit);
+    if (!is_among(problem, fit, all)) all.push_back(fit);
   }
   return all;
 }
@@ -250,17 +248,14 @@ std::vector<ModesFit> without_earlier(const ModesProblem& problem,
                                       const std::vector<ModesFit>& fits,
                                       const std::vector<ModesFit>& sought) {
   std::vector<ModesFit> bases;
-  const auto is_known = [&](const ModesFit& base, const std::vector<ModesFit>& among) {
-    return std::ranges::any_of(
-        among, [&](const ModesFit& other) { return are_alike(problem.structure(), base, other); });
-  };
   const auto best = distinct(problem, fits);
   for (std::size_t i = 0; i < std::min(best.size(), kRevised); ++i) {
     if (best[i].log_evidence < best.front().log_evidence - kConstants.beam_within) break;
     for (std::size_t c = 0; c + 1 < best[i].causes.size(); ++c) {
       ModesFit base = best[i];
       base.causes.erase(base.causes.begin() + static_cast<std::ptrdiff_t>(c));
-      if (!is_known(base, bases) && !is_known(base, sought)) bases.push_back(std::move(base));
+      const bool is_known = is_among(problem, base, bases) || is_among(problem, base, sought);
+      if (!is_known) bases.push_back(std::move(base));
     }
   }
   parallel_tasks(bases.size(), [&](std::size_t i) { bases[i] = problem.fitted(bases[i]); });

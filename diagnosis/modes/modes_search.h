@@ -21,6 +21,9 @@ enum class StartSizes {
   near,  ///< so near that a mode that a spring makes is paired with a measured one
 };
 
+/// True if an effect has a place and a frequency: at each frequency it splits another mode in two.
+[[nodiscard]] bool is_tuned(const Structure& structure, const Effect& effect);
+
 /// Starts of an effect for every choice, on a grid that follows from the roles of its parameters:
 /// places spread over the surface, sizes of both signs, frequencies over the measured band. What
 /// has a place and a frequency stands at each measured frequency too, and is light there.

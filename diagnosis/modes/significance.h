@@ -12,7 +12,7 @@ namespace chladni::diagnosis {
 /// changes is certain, and so is that it is there.
 enum class SizeDeviation {
   in_place,  ///< where the place is as it is, too
-  anywhere,  ///< wherever it is
+  anywhere,  ///< wherever it is: what a search asks of a cause that it tells
 };
 
 /// True if a size of cause `which` differs from that of a sound structure by more than
