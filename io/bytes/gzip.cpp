@@ -130,4 +130,9 @@ std::size_t UnpackedFile::read_packed(char* room, std::size_t size) {
   return done;
 }
 
+std::uint32_t checksum(std::string_view bytes) {
+  const auto* first = reinterpret_cast<const Bytef*>(bytes.data());
+  return static_cast<std::uint32_t>(crc32_z(0, first, bytes.size()));
+}
+
 }  // namespace chladni::io

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -51,5 +52,8 @@ class UnpackedFile {
   std::vector<char> packed_;
   std::string_view left_;  // of packed_
 };
+
+/// CRC-32 of the bytes, as gzip and PNG have it (ISO/IEC 15948, annex D). Cost: linear.
+[[nodiscard]] std::uint32_t checksum(std::string_view bytes);
 
 }  // namespace chladni::io

@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "host/worker.h"
+#include "io/bytes/gzip.h"
 
 namespace chladni::io {
 namespace {
@@ -38,16 +39,6 @@ void append_word(std::string& bytes, std::uint32_t value) {
   for (const unsigned shift : {24U, 16U, 8U, 0U}) {
     bytes += static_cast<char>((value >> shift) & 0xFFU);
   }
-}
-
-// Checksum of a chunk, ISO/IEC 15948, annex D.
-std::uint32_t checksum(std::string_view bytes) {
-  std::uint32_t crc = 0xFFFFFFFFU;
-  for (const char c : bytes) {
-    crc ^= static_cast<unsigned char>(c);
-    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1U) ^ ((crc & 1U) != 0 ? 0xEDB88320U : 0U);
-  }
-  return ~crc;
 }
 
 // The PNG with its resolution (chunk pHYs), which stands behind the header of 33 bytes.

@@ -15,9 +15,9 @@ namespace chladni::io {
 
 /// Leaves the drawing as `file` asks for it: on the screen a PNG, on request an SVG; for paper in
 /// its width, the PNG with its resolution stated.
-/// @throws InvalidInput  a PNG for paper is larger than the painter makes: nothing is left (says
-/// which
-///                       resolution is possible)
+/// @throws InvalidInput  a PNG for paper is larger than the painter makes, and nothing is left;
+/// says
+///                       which resolution is possible
 /// @throws as painted, if there is no queue
 void leave_drawing(const PictureFile& file, const Drawing& drawing);
 

@@ -46,6 +46,7 @@ TEST_F(FigureVerb, WhatIsStoredIsDrawnForPaper) {
     EXPECT_NEAR(word(png, 16), 88.0 / 25.4 * 300.0, 1.0) << name;
     EXPECT_EQ(png.substr(37, 4), "pHYs");
     EXPECT_EQ(word(png, 41), 11811U);  // 300 pixels per inch, per metre
+    EXPECT_EQ(word(png, 50), 0x78A53F76U);  // its checksum, by another program
   }
   const auto errors = whole(folder_ / "out/errors.svg");
   EXPECT_FALSE(says(errors, "Error of each response"));  // the caption has it
