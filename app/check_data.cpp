@@ -9,6 +9,7 @@
 
 #include "app/command.h"
 #include "app/unit_of_data.h"
+#include "base/upper_median.h"
 #include "io/frf_file.h"
 #include "io/node_shapes.h"
 #include "io/time_file.h"
@@ -45,9 +46,7 @@ Largest largest(const modal::FrfSet& set, Index i, Index j) {
     result.frequency_hz = set.frequency_hz(k);
   }
   if (coherence.empty()) return result;
-  const auto middle = coherence.begin() + static_cast<std::ptrdiff_t>(coherence.size() / 2);
-  std::nth_element(coherence.begin(), middle, coherence.end());
-  result.coherence = *middle;
+  result.coherence = upper_median(coherence);
   return result;
 }
 

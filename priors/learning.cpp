@@ -8,6 +8,7 @@
 #include <random>
 
 #include "base/error.h"
+#include "base/upper_median.h"
 #include "priors/constants.h"
 #include "priors/gaussian_process/line_search.h"
 #include "priors/gaussian_process/optimum.h"
@@ -295,9 +296,7 @@ std::pair<double, double> length_range(const Points& points) {
     }
     nearest.push_back(std::sqrt(least));
   }
-  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
-  std::nth_element(nearest.begin(), middle, nearest.end());
-  return {0.3 * *middle, 5.0 * diagonal};
+  return {0.3 * upper_median(nearest), 5.0 * diagonal};
 }
 
 std::vector<Learned> learned(const Kernel& kernel, const Points& points,

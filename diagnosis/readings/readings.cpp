@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/index.h"
 #include "base/interrupt.h"
+#include "base/upper_median.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/readings/bands.h"
 #include "diagnosis/readings/channels_read.h"
@@ -50,12 +51,6 @@ VectorXd delays_of(const Observed& observed) {
     delays(2 * n + 1) = -by;
   }
   return delays;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 // The bands of a response of which at least half was measured.
@@ -110,7 +105,7 @@ class Read {
     for (Index c = 0; c < model_.cols(); ++c) {
       if (is_measured(c)) all.push_back(distance_(c));
     }
-    return all.empty() ? 0.0 : median(std::move(all));
+    return all.empty() ? 0.0 : upper_median(all);
   }
 
   /// The best reading of these channels; none if that as it is does.
@@ -207,7 +202,7 @@ class Read {
     const double gain =
         std::accumulate(gains.begin(), gains.end(), -kConstants.least_evidence * parts);
     if (gain <= best.gain || std::ranges::min(of_channels(read, gains)) <= 0.0) return;
-    if (median(distances) > kChosen.most_distance) return;
+    if (upper_median(distances) > kChosen.most_distance) return;
     best.causes = scale.causes;
     best.causes.insert(best.causes.end(), shape.causes.begin(), shape.causes.end());
     best.gain = gain;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/upper_median.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/proposal.h"
@@ -47,12 +48,6 @@ double relative_noise(const Observed& observed) {
   return std::isfinite(least) ? least : kConstants.next_noise;
 }
 
-double middle_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // K×q: median of σ² over the sensors. Infinite where an actuator was not measured at all.
 Eigen::MatrixXd floor_of_noise(const Observed& observed) {
   Eigen::MatrixXd floor =
@@ -64,7 +59,7 @@ Eigen::MatrixXd floor_of_noise(const Observed& observed) {
         const double weight = observed.weight(k, i + observed.outputs * j);
         if (weight > 0.0) power.push_back(2.0 / (weight * weight));
       }
-      if (!power.empty()) floor(k, j) = middle_of(power);
+      if (!power.empty()) floor(k, j) = upper_median(power);
     }
   }
   return floor;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/turn.h"
+#include "base/upper_median.h"
 #include "identification/experiment/expected_fit.h"
 
 namespace chladni::identification {
@@ -148,8 +149,7 @@ std::vector<ExpectedCoherence> expected_coherence(const Eigen::VectorXd& hz,
         one.lowest = each.back();
         one.lowest_hz = hz(k);
       }
-      std::ranges::nth_element(each, each.begin() + std::ssize(each) / 2);
-      one.median = each[each.size() / 2];
+      one.median = upper_median(each);
       result.push_back(one);
     }
   }

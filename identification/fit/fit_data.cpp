@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/text_stream.h"
+#include "base/upper_median.h"
 #include "dense/algebra.h"
 #include "identification/constants.h"
 
@@ -41,13 +42,6 @@ Eigen::MatrixXd differs_from_polynomial() {
   return Eigen::MatrixXd::Identity(n, n) - q * q.transpose();
 }
 
-// The upper median; it changes the order of the values. @pre there are some
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 // Raw variance of each line: the residual of a local polynomial through its neighbours. Then the
 // median over a wider neighbourhood, because a resonance is not noise and a few lines tell
 // little about a variance.
@@ -67,7 +61,7 @@ Eigen::VectorXd variance_of_measured(const Eigen::VectorXcd& value) {
     const Eigen::Index first = std::max<Eigen::Index>(0, k - Constants::variance_reach);
     const Eigen::Index last = std::min(count - 1, k + Constants::variance_reach);
     window.assign(raw.data() + first, raw.data() + last + 1);
-    smooth(k) = median_of(window);
+    smooth(k) = upper_median(window);
   }
   return smooth;
 }
@@ -121,7 +115,7 @@ double variance_nearby(const Eigen::VectorXd& variance, Eigen::Index k) {
       if (within && variance(line) > 0.0) near.push_back(variance(line));
     }
   }
-  return median_of(near);
+  return upper_median(near);
 }
 
 // A variance of 0 beside others above 0 is none: the line has that of its neighbours. A line whose
@@ -230,7 +224,7 @@ double lines_of_one_variance(const FitData& data) {
   }
   if (squares.empty()) return 1.0;
   const auto lines = static_cast<double>(data.line_count());
-  const double square = median_of(squares) / kMedianSquare * data.noise_freedom;
+  const double square = upper_median(squares) / kMedianSquare * data.noise_freedom;
   return square * lines <= 4.0 ? lines : std::clamp(4.0 / square, 1.0, lines);
 }
 

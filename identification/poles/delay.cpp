@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/upper_median.h"
 
 namespace chladni::identification {
 namespace {
@@ -95,9 +96,7 @@ double refined(const std::vector<Curve>& all, double delay) {
         sizes.push_back(std::abs(phase(curve, k)));
       }
     }
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    const double scale = std::max(6.0 * *middle, 1e-12);
+    const double scale = std::max(6.0 * upper_median(sizes), 1e-12);
     double up = 0.0;
     double down = 0.0;
     for (const auto& curve : all) {

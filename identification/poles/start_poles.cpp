@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/upper_median.h"
 #include "identification/constants.h"
 #include "identification/poles/mode_choice.h"
 #include "identification/poles/vector_fit.h"
@@ -48,9 +49,7 @@ std::vector<double> peaks(const FitData& data) {
     const auto first = std::max<Eigen::Index>(0, k - around);
     const auto last = std::min(lines, k + around);
     window.assign(power.data() + first, power.data() + last);
-    std::nth_element(window.begin(), window.begin() + static_cast<long>(window.size() / 2),
-                     window.end());
-    if (power(k) <= Constants::peak_height * window[window.size() / 2]) continue;
+    if (power(k) <= Constants::peak_height * upper_median(window)) continue;
     if (data.noise_stated || is_prominent(power, k)) list.push_back(data.frequency_hz(k));
   }
   return list;

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/text_stream.h"
+#include "base/upper_median.h"
 #include "identification/constants.h"
 
 namespace chladni::identification {
@@ -34,12 +35,7 @@ double largest_of_noise(const FitData& data, double level) {
   return std::sqrt(v > 0.0 ? v * std::expm1(rare / v) : rare);
 }
 
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+double median(std::vector<double>& values) { return values.empty() ? 0.0 : upper_median(values); }
 
 // Median of the measured values among ±Constants::outlier_reach lines, without those within `gap`
 // of line k.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/upper_median.h"
 #include "priors/constants.h"
 #include "priors/dynamic_residual.h"
 #include "priors/methods/euclidean_field.h"
@@ -50,9 +51,9 @@ class Expectation {
       ratio.push_back(part);
       ++j;
     }
-    const auto middle = ratio.begin() + static_cast<std::ptrdiff_t>(ratio.size() / 2);
-    std::nth_element(ratio.begin(), middle, ratio.end());
-    if (!ratio.empty()) prior_.gamma = std::clamp(*middle * *middle, 0.25, 4.0);
+    if (ratio.empty()) return;
+    const double middle = upper_median(ratio);
+    prior_.gamma = std::clamp(middle * middle, 0.25, 4.0);
   }
 
   [[nodiscard]] Task task(Eigen::Index mode) const {

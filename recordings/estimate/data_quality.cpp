@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/upper_median.h"
+
 namespace chladni::recordings {
 namespace {
 
@@ -18,8 +20,7 @@ constexpr double kNoChance = 5.0;  // deviations
 
 double median_of(std::vector<double> values) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::ranges::nth_element(values, values.begin() + std::ssize(values) / 2);
-  return values[values.size() / 2];
+  return upper_median(values);
 }
 
 BandQuality quality_of(const modal::FrfSet& set, Index first, Index end) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/upper_median.h"
 #include "diagnosis/constants.h"
 #include "identification/constants.h"
 #include "identification/fit_data.h"
@@ -200,11 +201,8 @@ diagnosis::MeasuredModes clear_modes(const diagnosis::MeasuredModes& all, stage:
     if (std::isfinite(all.damping_ratio(k))) damping.push_back(all.damping_ratio(k));
   }
   if (kept.empty() || damping.empty()) return all;
-  const auto middle = damping.begin() + static_cast<std::ptrdiff_t>(damping.size() / 2);
-  std::nth_element(damping.begin(), middle, damping.end());
-  std::erase_if(kept, [&](Index k) {
-    return all.damping_ratio(k) > diagnosis::kConstants.too_damped * *middle;
-  });
+  const double most = diagnosis::kConstants.too_damped * upper_median(damping);
+  std::erase_if(kept, [&](Index k) { return all.damping_ratio(k) > most; });
   if (static_cast<Index>(kept.size()) < all.count()) {
     work.note(fmt::format("{} of {} identified modes are weak or damped as no other is: left out",
                           all.count() - static_cast<Index>(kept.size()), all.count()));

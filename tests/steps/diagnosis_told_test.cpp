@@ -150,14 +150,22 @@ TEST_F(Told, AnExtendedStudyThatCannotBeSolvedCostsNothingElse) {
   EXPECT_EQ(text.find("does not express"), std::string::npos) << text;
 }
 
+// The structure of a study, solved, and its measured responses, not compared yet.
+std::pair<steps::Compared, steps::MeasuredFrfs> to_compare(const study::Study& study,
+                                                           stage::Work& work) {
+  steps::Compared one;
+  one.before = stage::solved(stage::with_modes_for_diagnosis(study), work);
+  return {std::move(one), steps::measured_frfs(study, work)};
+}
+
 // One record without a unit takes the scale from none that states its own.
 TEST_F(Told, ARecordWithoutAUnitLeavesTheScaleOfTheOthers) {
   const auto study = study_of({}, "\"sensor_gain\"");
   app::QuietRun quiet(study, at("out"));
   auto& work = quiet.run();
-  steps::Compared one;
-  one.before = stage::solved(stage::with_modes_for_diagnosis(study), work);
-  auto measured = steps::measured_frfs(study, work);
+  auto ready = to_compare(study, work);
+  auto& one = ready.first;
+  auto& measured = ready.second;
   for (auto& value : measured.all.value) value *= 2.0;
   const auto level = [&](const std::vector<std::string>& units) {
     auto records = measured;
@@ -178,9 +186,9 @@ TEST_F(Told, ANewScaleLeavesThePartThatIsNoise) {
   const auto study = study_of({}, "\"sensor_gain\"");
   app::QuietRun quiet(study, at("out"));
   auto& work = quiet.run();
-  steps::Compared one;
-  one.before = stage::solved(stage::with_modes_for_diagnosis(study), work);
-  auto measured = steps::measured_frfs(study, work);
+  auto ready = to_compare(study, work);
+  auto& one = ready.first;
+  auto& measured = ready.second;
   for (auto& value : measured.all.value) value *= 100.0;
   for (auto& variance : measured.all.variance) variance *= 1e4;
   for (const auto& variance : measured.all.variance) {

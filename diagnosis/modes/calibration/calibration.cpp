@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/index.h"
+#include "base/upper_median.h"
 #include "diagnosis/constants.h"
 #include "host/parallel.h"
 
@@ -88,8 +89,7 @@ Scale scale_at(const ModesProblem& problem, RecordedModes model, double shift) {
     cost += std::log1p(std::pow(off / kConstants.far_off, 2));
   }
   if (apart.empty()) return {shift, cost};
-  std::ranges::nth_element(apart, apart.begin() + static_cast<Index>(apart.size() / 2));
-  return {shift + apart[apart.size() / 2], cost};
+  return {shift + upper_median(apart), cost};
 }
 
 // The most promising factors of all frequencies, each the best one nearby.

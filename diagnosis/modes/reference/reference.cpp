@@ -13,6 +13,7 @@
 #include "base/decompositions.h"
 #include "base/error.h"
 #include "base/index.h"
+#include "base/upper_median.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/modes/modes_fit.h"
 
@@ -65,12 +66,6 @@ Anchors anchors_of(const ModesProblem& problem, const ModesFit& fit) {
   return anchors;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 // K − diag(ω²) for modes with the frequencies of the anchors.
 MatrixXd correction_of(const Structure& structure, const ModesFit& fit, const Anchors& anchors) {
   const Index r = structure.mode_count();
@@ -83,7 +78,7 @@ MatrixXd correction_of(const Structure& structure, const ModesFit& fit, const An
   const MatrixXd& v = anchors.motion;
   const MatrixXd rest = MatrixXd::Identity(r, r) - v * v.transpose();
   MatrixXd corrected = v * anchors.omega.cwiseAbs2().asDiagonal() * v.transpose();
-  corrected += std::pow(median(ratio), 2) * rest * lambda.asDiagonal() * rest;
+  corrected += std::pow(upper_median(ratio), 2) * rest * lambda.asDiagonal() * rest;
   corrected -= MatrixXd(lambda.asDiagonal());
   return 0.5 * (corrected + corrected.transpose());
 }
