@@ -8,7 +8,7 @@
 #include <span>
 
 #include "app/command.h"
-#include "app/unit_of_data.h"
+#include "app/command_line/unit_of_data.h"
 #include "base/upper_median.h"
 #include "io/frf_file.h"
 #include "io/node_shapes.h"

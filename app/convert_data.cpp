@@ -4,7 +4,7 @@
 #include <ostream>
 
 #include "app/command.h"
-#include "app/unit_of_data.h"
+#include "app/command_line/unit_of_data.h"
 #include "base/error.h"
 #include "io/frf_file.h"
 #include "io/mat.h"

@@ -5,9 +5,9 @@
 #include "dense/blas.h"
 #include "diagnosis/modes/given.h"
 #include "diagnosis/modes/labels/labels.h"
-#include "diagnosis/modes/modes_search.h"
 #include "diagnosis/modes/modes_verdict.h"
 #include "diagnosis/modes/reference/reference.h"
+#include "diagnosis/modes/search/modes_search.h"
 
 namespace chladni::diagnosis {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "diagnosis/diagnosed.h"
-#include "diagnosis/modes/modes_search.h"
+#include "diagnosis/modes/search/modes_search.h"
 
 namespace chladni::diagnosis {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "diagnosis/modes/modes_search.h"
+#include "diagnosis/modes/search/modes_search.h"
 
 namespace chladni::diagnosis {
 

@@ -10,8 +10,8 @@
 #include "base/index.h"
 #include "diagnosis/modes/labels/label_orders.h"
 #include "diagnosis/modes/modes_fit.h"
-#include "diagnosis/modes/modes_search.h"
 #include "diagnosis/modes/modes_verdict.h"
+#include "diagnosis/modes/search/modes_search.h"
 
 namespace chladni::diagnosis {
 namespace {

@@ -1,4 +1,4 @@
-#include "diagnosis/modes/modes_look.h"
+#include "diagnosis/modes/search/modes_look.h"
 
 #include <gtest/gtest.h>
 
