@@ -209,6 +209,20 @@ void add_outlying_gains(const Eigen::VectorXd& gain, const std::vector<std::stri
   }
 }
 
+// Channels of one side that are further than this from where they are believed to be: four times
+// the usual error of a place.
+void add_outlying_places(const Eigen::MatrixX2d& places, const Eigen::MatrixX2d& believed,
+                         const std::vector<std::string>& names, const std::string& kind,
+                         std::vector<HiddenEffect>& to) {
+  constexpr double kOutlying = 4e-3;
+  for (Index i = 0; i < places.rows(); ++i) {
+    const Eigen::RowVector2d off = places.row(i) - believed.row(i);
+    if (off.norm() < kOutlying) continue;
+    to.push_back(
+        {kind, {{"u", off.x()}, {"v", off.y()}}, {}, {names[static_cast<std::size_t>(i)]}});
+  }
+}
+
 // What the rig has by itself and a catalogue names.
 std::vector<HiddenEffect> present(const RigRecipe& own) {
   std::vector<HiddenEffect> all;
@@ -216,9 +230,14 @@ std::vector<HiddenEffect> present(const RigRecipe& own) {
     all.push_back(
         {"resonator", {{"mass", one.mass}, {"frequency", one.frequency_hz}}, one.place, {}});
   }
-  const auto& channels = own.body.rig.channels;
+  const auto& channels = own.channels;
   add_outlying_gains(own.output_gain, channels.output_names, "sensor_gain", all);
   add_outlying_gains(own.input_gain, channels.input_names, "actuator_gain", all);
+  const auto& believed = own.body.rig.channels;
+  add_outlying_places(channels.outputs, believed.outputs, channels.output_names, "sensor_position",
+                      all);
+  add_outlying_places(channels.inputs, believed.inputs, channels.input_names, "actuator_position",
+                      all);
   return all;
 }
 

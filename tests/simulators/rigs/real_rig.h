@@ -48,9 +48,9 @@ struct RealRigCase {
   std::vector<Eigen::MatrixXcd> exact;  ///< [k], p×q: `measured` without noise
   diagnosis::MeasuredModes modes;
   std::vector<HiddenEffect> truth;  ///< sizes with the rig's own deviation of the same constant
-  /// What the rig has beside the truth and a catalogue names, too: the string's resonance, and a
-  /// gain that Student's law drew more than 8 % off the others. To name it is not false, nor is it
-  /// asked for.
+  /// What the rig has beside the truth and a catalogue names, too: the string's resonance, a gain
+  /// that Student's law drew more than 8 % off the others, a channel that it moved by more than
+  /// 4 mm. To name it is not false, nor is it asked for.
   std::vector<HiddenEffect> present;
   bool outside = false;  ///< the truth has a kind that no catalogue has
   bool scaled = true;

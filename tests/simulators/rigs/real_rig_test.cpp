@@ -154,6 +154,22 @@ TEST(RealRig, TellsGainsThatAreOffByThemselves) {
   EXPECT_EQ(gain->channels.front(), made.measured.inputs[2].name);
 }
 
+// A channel of the strip's rigs that is more than 4 mm from its place is told, and no other one.
+TEST(RealRig, TellsPlacesThatAreOffByThemselves) {
+  auto options = RealRigOptions{};
+  options.lines = 2;
+  int told = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    for (const auto& one : real_rig_case("strip", "none", seed, options).present) {
+      if (one.kind != "sensor_position" && one.kind != "actuator_position") continue;
+      EXPECT_GE(std::hypot(one.size.at("u"), one.size.at("v")), 4e-3) << seed;
+      ++told;
+    }
+  }
+  EXPECT_GT(told, 0);  // of 320 channels one in 60 is
+  EXPECT_LT(told, 30);
+}
+
 class RealKinds : public testing::TestWithParam<std::string> {};
 
 TEST_P(RealKinds, ChangesTheModes) {

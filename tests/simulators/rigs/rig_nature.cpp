@@ -80,6 +80,7 @@ void add_strings(RigRecipe& recipe, Dice& dice, double nature) {
   for (auto& hook : hooks) {
     hook = size * (hook + 0.03 * Eigen::Vector2d(dice.normal(), dice.normal()));
     if (recipe.body.rig.is_slender()) hook.y() = 0.0;
+    while (!recipe.body.covers(hook)) hook *= 0.95;  // a draw beside the rim
     if (held) continue;
     RitzPoint point;
     point.place = hook;

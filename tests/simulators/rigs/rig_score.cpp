@@ -52,18 +52,22 @@ bool is(const Cause& cause, const HiddenEffect& effect, const RealRigCase& rig) 
   return told == hidden;
 }
 
-// Whether the cause is what the rig has: a resonator of this frequency, or a gain of this channel
-// within three stated deviations.
+// Whether the cause is what the rig has: a resonator of this frequency, or a gain or a place of
+// this channel within three stated deviations.
 bool is_present(const Cause& cause, const HiddenEffect& effect) {
   constexpr double kSameFrequency = 0.05;
   constexpr double kSameSize = 3.0;
   if (cause.effect != effect.kind || cause.channels != effect.channels) return false;
-  const std::string size = effect.size.contains("frequency") ? "frequency" : "relative";
-  const auto told = std::ranges::find(cause.parameters, size, &diagnosis::CauseParameter::name);
-  if (told == cause.parameters.end()) return false;
-  const double within =
-      size == "frequency" ? kSameFrequency * effect.size.at(size) : kSameSize * told->std;
-  return std::abs(told->value - effect.size.at(size)) < within;
+  const bool has_frequency = effect.size.contains("frequency");
+  std::size_t told = 0;
+  for (const auto& parameter : cause.parameters) {
+    const auto size = effect.size.find(parameter.name);
+    if (size == effect.size.end() || (has_frequency && parameter.name != "frequency")) continue;
+    const double within = has_frequency ? kSameFrequency * size->second : kSameSize * parameter.std;
+    if (!(std::abs(parameter.value - size->second) < within)) return false;
+    ++told;
+  }
+  return told > 0;
 }
 
 // The coordinates of a place; of a slender body only that along it.

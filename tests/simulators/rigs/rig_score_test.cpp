@@ -145,6 +145,18 @@ TEST(RigScore, DoesNotBlameAGainThatIsThere) {
   EXPECT_EQ(scored(rig, telling({gain})).verdict, RigVerdict::wrong_sure);
 }
 
+TEST(RigScore, DoesNotBlameAPlaceThatIsThere) {
+  auto rig = hiding({});
+  rig.present = {{"sensor_position", {{"u", 1e-3}, {"v", -7e-3}}, {}, {"s4"}}};
+  auto moved = cause("sensor_position", 0.99);
+  moved.channels = {"s4"};
+  moved.parameters = {{"u", "m", 0.0, 2e-3, diagnosis::Parameter::Role::offset},
+                      {"v", "m", -7.5e-3, 2e-3, diagnosis::Parameter::Role::offset}};
+  EXPECT_EQ(scored(rig, telling({moved})).verdict, RigVerdict::right);
+  moved.parameters.back().value = 7.5e-3;
+  EXPECT_EQ(scored(rig, telling({moved})).verdict, RigVerdict::wrong_sure);
+}
+
 TEST(RigScore, ExpectsNoNameForKindsOutside) {
   auto rig = hiding({{"line_crack", {}, {}, {}}});
   rig.outside = true;
