@@ -114,6 +114,23 @@ PartnerSide side_of(const PartnerValues& values, const VectorXd& parts, double u
   return side;
 }
 
+// True where the values lie across the shape as much as errors of the body's shapes let them.
+bool has_open_sign(const PartnerSide& side) {
+  const double along = std::abs(side.model.cast<Complex>().dot(side.measured));
+  return along < kConstants.blind_error * side.blindness() * side.model.norm();
+}
+
+// A side on the nodes of a mode has no sign of its own. A residue has one, which the other side
+// passes on.
+void agree_on_sign(PartnerSide& sensors, PartnerSide& actuators) {
+  if (!((sensors.factor * actuators.factor).real() < 0.0)) return;
+  auto& blinder = sensors.blindness() > actuators.blindness() ? sensors : actuators;
+  if (!has_open_sign(blinder)) return;
+  blinder.factor = -blinder.factor;
+  blinder.model = -blinder.model;
+  blinder.recorded = -blinder.recorded;
+}
+
 double mac_of(const PartnerSide& side) {
   if (!side.is_shape()) return 1.0;
   const Complex product = side.model.cast<Complex>().dot(side.measured);
@@ -193,6 +210,8 @@ Partner partner(const MeasuredModes& measured, const RecordedModes& model, const
   result.parts = parts_of(model, span, out.value.size() >= in.value.size() ? out : in);
   result.sensors = side_of(out, result.parts, units.outputs);
   result.actuators = side_of(in, result.parts, units.inputs);
+  const bool has_residue = result.sensors.count() > 0 && result.actuators.count() > 0;
+  if (measured.scaled && has_residue) agree_on_sign(result.sensors, result.actuators);
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <complex>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include "base/index.h"
@@ -110,6 +111,51 @@ TEST(Errors, DoNotDependOnTheSignOfAnEigenvector) {
       for (auto* rows : {&other.outputs, &other.inputs, &other.motion}) rows->col(k) *= -1.0;
     }
     expect_same(measured, model, measured, other);
+  }
+}
+
+// A model whose actuators all lie on the nodes of mode 2: its shape there is rounding, of any sign.
+// Errors of the body give the measured one some shape.
+RecordedModes blind(double sign) {
+  RecordedModes model = modes_of(loaded());
+  model.inputs.col(2) = sign * 1e-13 * Dice(6).normal(model.inputs.rows(), 1);
+  return model;
+}
+
+MeasuredModes measured_beside_nodes() {
+  auto measured = measured_of(blind(1.0), 0.05);
+  measured.scaled = true;
+  const Index q = measured.input_shapes.rows();
+  measured.input_shapes.col(2) = 0.02 * Dice(7).normal(q, 1).cast<Complex>();
+  return measured;
+}
+
+double phase_of_residue(const MeasuredModes& measured, const RecordedModes& model, Index i) {
+  const auto other = partner(measured, model, some_units(), i, {i});
+  return std::arg(other.sensors.factor * other.actuators.factor);
+}
+
+// The sensors and the residue tell which sign the actuators have: errors that sensors and actuators
+// share lie on one side then.
+TEST(Partner, OnItsNodesHasTheSignOfTheResidue) {
+  auto measured = measured_beside_nodes();
+  for (const bool turned : {false, true}) {
+    if (turned) measured.input_shapes.col(2) *= -1.0;
+    expect_same(measured, blind(1.0), measured, blind(-1.0));
+    for (const double sign : {1.0, -1.0}) {
+      EXPECT_NEAR(phase_of_residue(measured, blind(sign), 2), 0.0, 0.1) << turned << sign;
+    }
+  }
+}
+
+// Where channels see the mode a wrong sign stays one.
+TEST(Partner, ThatIsSeenKeepsItsSign) {
+  const RecordedModes model = modes_of(loaded());
+  auto measured = measured_of(model, 0.05);
+  measured.scaled = true;
+  measured.input_shapes *= -1.0;
+  for (Index i = 0; i < measured.count(); ++i) {
+    EXPECT_NEAR(std::abs(phase_of_residue(measured, model, i)), std::numbers::pi, 0.3) << i;
   }
 }
 
