@@ -64,10 +64,8 @@ struct ModeConstants {
   double rival_evidence = 4.0;
   /// [ln] Frequencies of what hangs on the body that differ by more are two starts. Chosen.
   double same_frequency = 0.03;
-  /// [1] Square of the distance of two steps, over one's, below which they are the same one. Chosen.
-  double same_step = 0.01;
-  /// [ln] Distance of the stiffnesses from which a spring is sought where a mode is alone: the modes
-  /// of neighbours are less than twice the reach of a pair apart. Chosen.
+  /// [ln] Distance of the stiffnesses from which a spring is sought where a mode is alone: the
+  /// modes of neighbours are less than twice the reach of a pair apart. Chosen.
   double near_size = 0.9;
   /// [1] Part of the measured modes that must have a partner. Chosen.
   double few_partners = 0.5;

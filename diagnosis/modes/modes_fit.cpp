@@ -15,6 +15,7 @@
 #include "diagnosis/modes/calibration/calibration.h"
 #include "diagnosis/modes/calibration/coordinates.h"
 #include "diagnosis/modes/cause_modes.h"
+#include "diagnosis/modes/errors/covariance_slopes.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -25,6 +26,8 @@ using Eigen::VectorXd;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kLevelRounds = 4;  // of levels alone, at the end
+constexpr int kAttempts = 5;     // at a step that lowers the objective
+constexpr int kDoubled = 3;      // times that such a step is made longer
 
 // Measured modes without a partner.
 Index alone(const Matching& of) { return std::ranges::count(of.model, Index{-1}); }
@@ -158,22 +161,7 @@ class Descent {
   // of them away as they have coordinates. To first order they are errors that all modes share.
   [[nodiscard]] LevelLikelihood::Evidence evidence() const {
     if (slope_.rows() != own_.size() || slope_.cols() == 0) return likelihood_->evidence();
-    ModeErrors errors = likelihood_->errors();
-    const VectorXd off = coordinates(all_) - prior_.centre;
-    const VectorXd width = prior_.precision.cwiseSqrt().cwiseInverse();
-    const Index n = slope_.cols();
-    errors.shared_of.insert(errors.shared_of.end(), at(n), -1);
-    Index first = 0;
-    for (auto& block : errors.blocks) {
-      const auto slope = slope_.middleRows(first, block.count());
-      const Index before = block.shared.cols();
-      block.shared.conservativeResize(Eigen::NoChange, before + n);
-      block.shared.rightCols(n) = slope * width.asDiagonal();
-      for (Index c = 0; c < n; ++c) {
-        if (!prior_.is_place[at(c)]) block.error -= slope.col(c) * off(c);
-      }
-      first += block.count();
-    }
+    auto errors = with_sizes(likelihood_->errors(), slope_, prior_, coordinates(all_));
     return LevelLikelihood(std::move(errors), fit_.levels).evidence();
   }
 
@@ -200,11 +188,15 @@ class Descent {
   struct Slopes {
     MatrixXd errors;
     VectorXd likelihood;
+    MatrixXd information;  // of the covariance
   };
   [[nodiscard]] Slopes slopes(Of what) {
     modes_.begin_at(all_);
     const Index n = prior_.centre.size();
-    Slopes result{MatrixXd::Zero(own_.size(), n), VectorXd::Zero(n)};
+    Slopes result{MatrixXd::Zero(own_.size(), n), VectorXd::Zero(n), MatrixXd::Zero(n, n)};
+    std::optional<CovarianceSlopes> covariance;
+    if (what == Of::both) covariance.emplace(likelihood_->errors(), fit_.levels);
+    MatrixXd changes;
     const double here = likelihood_->negative_log() - likelihood_->errors().penalty;
     for (Index c = 0; c < n; ++c) {
       VectorXd step = VectorXd::Zero(n);
@@ -217,11 +209,15 @@ class Descent {
         result.errors.col(c) = (stacked(*there) - own_) / step(c);
         if (what == Of::errors) break;
         const double penalty = there->penalty;
+        const VectorXd change = covariance->of(*there, step(c));
+        if (changes.size() == 0) changes = MatrixXd::Zero(change.size(), n);
+        changes.col(c) = change;
         const auto other = likelihood_of(std::move(*there));
         if (other) result.likelihood(c) = (other->negative_log() - penalty - here) / step(c);
         break;
       }
     }
+    if (changes.size() > 0) result.information = 0.5 * changes.transpose() * changes;
     return result;
   }
 
@@ -248,29 +244,48 @@ class Descent {
   void step() {
     const auto slope = slopes(Of::both);
     slope_ = slope.errors;
-    const MatrixXd hessian = curvature(slope_);
+    const MatrixXd of_misfit = curvature(slope_);
+    const MatrixXd of_all = of_misfit + slope.information;
     const VectorXd prior = prior_.slope(coordinates(all_));
-    const VectorXd whole = slope.likelihood + prior;
+    const VectorXd all = slope.likelihood + prior;
     const VectorXd misfit = likelihood_->product(slope_, own_) + prior;
-    for (int attempt = 0; attempt < 5; ++attempt) {
-      MatrixXd damped = hessian;
-      damped.diagonal() *= 1.0 + damping_;
-      const Eigen::LDLT<MatrixXd> factor(damped);
-      const VectorXd first = -factor.solve(whole);
-      const VectorXd second = -factor.solve(misfit);
-      auto best = arrival_at(first);
-      const VectorXd apart = first - second;
-      if (!(apart.dot(damped * apart) < kConstants.same_step * second.dot(damped * second))) {
-        auto other = arrival_at(second);
-        if (other && (!best || other->objective < best->objective)) best = std::move(other);
-      }
-      if (best && best->objective < fit_.objective) {
-        take(std::move(*best));
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+      auto there = better(damped_step(of_all, all), damped_step(of_misfit, misfit));
+      if (there && there->arrival.objective < fit_.objective) {
+        take(farther(there->by, std::move(there->arrival)));
         damping_ *= 0.2;
         return;
       }
       damping_ = 8.0 * damping_ + 0.05;
     }
+  }
+
+  struct Step {
+    VectorXd by;
+    Arrival arrival;
+  };
+  [[nodiscard]] std::optional<Step> damped_step(MatrixXd hessian, const VectorXd& slope) const {
+    hessian.diagonal() *= 1.0 + damping_;
+    VectorXd by = -Eigen::LDLT<MatrixXd>(hessian).solve(slope);
+    auto there = arrival_at(by);
+    if (!there) return std::nullopt;
+    return Step{std::move(by), std::move(*there)};
+  }
+  static std::optional<Step> better(std::optional<Step> one, std::optional<Step> other) {
+    const bool is_other = other && !(one && one->arrival.objective <= other->arrival.objective);
+    return is_other ? std::move(other) : std::move(one);
+  }
+
+  // The best of the arrivals at `by`, twice and more as far: valleys are flatter than the
+  // information that is expected.
+  [[nodiscard]] Arrival farther(VectorXd by, Arrival best) const {
+    for (int doubled = 0; doubled < kDoubled; ++doubled) {
+      by *= 2.0;
+      auto next = arrival_at(by);
+      if (!next || !(next->objective < best.objective)) break;
+      best = std::move(*next);
+    }
+    return best;
   }
 
   [[nodiscard]] std::optional<Arrival> arrival_at(const VectorXd& by) const {

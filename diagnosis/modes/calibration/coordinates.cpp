@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/index.h"
 #include "diagnosis/fit/information.h"
 
 namespace chladni::diagnosis {
@@ -73,6 +74,26 @@ double log_prior(const Structure& structure, const std::vector<HeldConstant>& co
   double sum = log_prior(constants, VectorXd(coordinates(all).head(held)));
   for (std::size_t c = constants.size(); c < all.size(); ++c) sum += log_prior(all[c], structure);
   return sum;
+}
+
+ModeErrors with_sizes(ModeErrors errors, const Eigen::MatrixXd& slope, const CoordinatePrior& prior,
+                      const Eigen::VectorXd& x) {
+  const VectorXd off = x - prior.centre;
+  const VectorXd width = prior.precision.cwiseSqrt().cwiseInverse();
+  const Index n = slope.cols();
+  errors.shared_of.insert(errors.shared_of.end(), at(n), -1);
+  Index first = 0;
+  for (auto& block : errors.blocks) {
+    const auto own = slope.middleRows(first, block.count());
+    const Index before = block.shared.cols();
+    block.shared.conservativeResize(Eigen::NoChange, before + n);
+    block.shared.rightCols(n) = own * width.asDiagonal();
+    for (Index c = 0; c < n; ++c) {
+      if (!prior.is_place[at(c)]) block.error -= own.col(c) * off(c);
+    }
+    first += block.count();
+  }
+  return errors;
 }
 
 }  // namespace chladni::diagnosis

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "diagnosis/modes/calibration/constants_held.h"
+#include "diagnosis/modes/errors/levels.h"
 
 namespace chladni::diagnosis {
 
@@ -36,5 +37,11 @@ struct CoordinatePrior {
 [[nodiscard]] double log_prior(const Structure& structure,
                                const std::vector<HeldConstant>& constants,
                                const std::vector<Supposed>& all);
+
+/// The errors with those of the sizes among what their blocks share, to first order: a size that
+/// the prior draws to its centre takes away as much as it explains.
+/// @param slope  N×n, of the errors in the coordinates, at x
+[[nodiscard]] ModeErrors with_sizes(ModeErrors errors, const Eigen::MatrixXd& slope,
+                                    const CoordinatePrior& prior, const Eigen::VectorXd& x);
 
 }  // namespace chladni::diagnosis

@@ -33,8 +33,8 @@ MatrixXd scaled(const MatrixXd& shared, const std::vector<int>& of, const PerCla
   return result;
 }
 
-// Cholesky factor of the covariance that the numbers of a block have by themselves.
-MatrixXd own_factor(const ModeBlock& block, const PerClass& levels) {
+// Lower triangle of the covariance that the numbers of a block have by themselves.
+MatrixXd own_covariance(const ModeBlock& block, const PerClass& levels) {
   MatrixXd own = block.noise.cwiseAbs2().asDiagonal();
   for (Index i = 0; i < block.count(); ++i) own(i, i) += own_variance(block, i, levels);
   auto lower = own.selfadjointView<Eigen::Lower>();
@@ -42,6 +42,12 @@ MatrixXd own_factor(const ModeBlock& block, const PerClass& levels) {
   if (block.free.cols() > 0) lower.rankUpdate(block.free);
   if (block.mixed.cols() > 0) lower.rankUpdate(block.mixed, s * s);
   if (block.smooth.cols() > 0) lower.rankUpdate(scaled(block.smooth, block.smooth_of, levels));
+  return own;
+}
+
+// Its Cholesky factor.
+MatrixXd own_factor(const ModeBlock& block, const PerClass& levels) {
+  MatrixXd own = own_covariance(block, levels);
   if (!dense::cholesky(own)) {
     throw NumericalFailure("modal data: a covariance that is not positive");
   }
@@ -79,6 +85,14 @@ struct WhiteSums {
 }  // namespace
 
 std::string_view name(ErrorClass of) { return kNames[static_cast<std::size_t>(of)]; }
+
+MatrixXd covariance_of(const ModeBlock& block, const std::vector<int>& shared_of,
+                       const PerClass& levels) {
+  MatrixXd all = own_covariance(block, levels);
+  auto lower = all.selfadjointView<Eigen::Lower>();
+  if (block.shared.cols() > 0) lower.rankUpdate(scaled(block.shared, shared_of, levels));
+  return lower;
+}
 
 Index numbers(const ModeErrors& errors) {
   Index n = 0;

@@ -119,6 +119,10 @@ class LevelLikelihood {
   double log_determinant_ = 0.0;
 };
 
+/// Covariance of the numbers of a block by themselves, with its part of the shared errors: n×n.
+[[nodiscard]] Eigen::MatrixXd covariance_of(const ModeBlock& block,
+                                            const std::vector<int>& shared_of,
+                                            const PerClass& levels);
 /// Number of errors of all blocks.
 [[nodiscard]] Eigen::Index numbers(const ModeErrors& errors);
 /// The errors of all blocks in one vector.

@@ -175,6 +175,19 @@ TEST(LevelLikelihood, KnowsTheSquareOfEachBlock) {
   EXPECT_EQ(worst, 2);
 }
 
+TEST(CovarianceOf, IsABlockOfTheDenseCovariance) {
+  Dice dice(6);
+  const ModeErrors errors = some_errors(dice, 3);
+  const MatrixXd all = dense_covariance(errors, some_levels());
+  Index first = 0;
+  for (const auto& block : errors.blocks) {
+    const MatrixXd own = covariance_of(block, errors.shared_of, some_levels());
+    const MatrixXd difference = own - all.block(first, first, block.count(), block.count());
+    EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-12) << first;
+    first += block.count();
+  }
+}
+
 TEST(LevelLikelihood, NeedsNoSharedErrors) {
   Dice dice(4);
   ModeErrors errors = some_errors(dice, 2);
