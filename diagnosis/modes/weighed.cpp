@@ -101,7 +101,7 @@ std::vector<Heir> heirs_of(const Structure& structure, const ModesFound& found, 
 }
 
 double log_weight(const ModesFound& found, const ModesFit& fit) {
-  return fit.log_evidence + log_of_number(fit.causes.size(), found.effects);
+  return found.evidence_power * fit.log_evidence + log_of_number(fit.causes.size(), found.effects);
 }
 
 // The hypotheses that stand by themselves.
@@ -114,7 +114,9 @@ std::vector<Weight> weights_of(const Structure& structure, const ModesFound& fou
   }
   const auto disturbed = static_cast<double>(std::max<std::size_t>(found.disturbed.size(), 1));
   const double prior = std::log(kConstants.disturbed_prior / disturbed);
-  for (const auto& fit : found.disturbed) all.push_back({&fit, fit.log_evidence + prior});
+  for (const auto& fit : found.disturbed) {
+    all.push_back({&fit, found.evidence_power * fit.log_evidence + prior});
+  }
   return all;
 }
 

@@ -26,7 +26,9 @@ struct Weighed {
 /// Each explanation of `found` once, at its best fit, descending. Other fits of it are the same
 /// maximum, reached from other starts: their probabilities do not count. An explanation whose
 /// simpler case has nearly its evidence is none of its own. Its weight is that of the simpler case:
-/// where the general one is true, what the simpler one says is true as well.
+/// where the general one is true, what the simpler one says is true as well. Evidence counts by its
+/// power of `found` (a coarsened posterior: Miller and Dunson, J. Am. Stat. Assoc. 114, 2019): what
+/// the errors of real structures are beyond the classes that are learned makes it too sure.
 /// @param found  must outlive it
 /// @param equal  [ln] evidences that differ by less are nearly the same
 [[nodiscard]] Weighed weighed(const Structure& structure, const ModesFound& found, double equal);

@@ -308,6 +308,7 @@ ModesFound searched(const ModesProblem& problem, const std::vector<const Effect*
                     int most_causes, double least_evidence, const Progress& progress) {
   ModesFound found;
   found.nothing = problem.nothing();
+  if (problem.prior().width > 0.0) found.evidence_power = kConstants.evidence_power;
   found.disturbed = disturbed_fits(problem, found.nothing);
   std::vector<ModesFit> beam{found.nothing};
   for (int level = 0; level < most_causes; ++level) {

@@ -13,6 +13,8 @@ struct ModesFound {
   std::vector<ModesFit> fits;       ///< causes, in full; descending evidence
   std::vector<ModesFit> disturbed;  ///< no cause, but a mode or a channel is not believed
   double effects = 0.0;             ///< number of effects that change these data
+  /// Power of the evidence in the weight of a hypothesis: 1 where the study states the errors.
+  double evidence_power = 1.0;
 };
 
 /// How near the sizes of the starts of an effect are to each other.
