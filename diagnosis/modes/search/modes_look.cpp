@@ -69,12 +69,14 @@ ModesLook::ModesLook(const ModesProblem& problem, const ModesFit& base,
   }
   const auto model = problem.modes(state_, true);
   if (!model) return;
-  quick_hz_ = model->frequency_hz;
+  quick_ = *model;
   const auto matchings = this->matchings(*model);
   for (const auto& matching : matchings) {
     without_cause_.emplace_back(matching.model, shifted(*model, matching));
   }
-  pairs_may_be_wrong_ = matchings.size() > 1;
+  const auto& base_pairs = base.matching.model;
+  const bool is_one_alone = std::ranges::find(base_pairs, Index{-1}) != base_pairs.end();
+  pairs_may_be_wrong_ = matchings.size() > 1 || is_one_alone;
   quick_matching_ = matchings.front();
   here_ = shifted(*model, quick_matching_);
 }
@@ -91,12 +93,19 @@ std::vector<double> ModesLook::operator()(const Supposed& cause) const {
       least[i] = std::min(least[i], there[i] - prior + less_probable_[i]);
     }
   };
-  if (model->frequency_hz.size() == quick_hz_.size() && model->frequency_hz == quick_hz_) {
+  if (has_quick_pairs(*model)) {
     take(quick_matching_);
     if (least.front() == HUGE_VAL || !pairs_may_be_wrong_) return least;
   }
   for (const auto& matching : matchings(*model)) take(matching);
   return least;
+}
+
+// Whether frequencies and labels are those without the cause: exchanged records pair anew.
+bool ModesLook::has_quick_pairs(const RecordedModes& model) const {
+  return model.frequency_hz.size() == quick_.frequency_hz.size() &&
+         model.frequency_hz == quick_.frequency_hz && model.output_of == quick_.output_of &&
+         model.input_of == quick_.input_of;
 }
 
 struct ModesLook::Placed {

@@ -53,6 +53,7 @@ class ModesLook {
   [[nodiscard]] const Eigen::VectorXd* without_cause(const Matching& matching,
                                                      Eigen::Index count) const;
   [[nodiscard]] bool same_partners(const Matching& matching) const;
+  [[nodiscard]] bool has_quick_pairs(const RecordedModes& model) const;
   [[nodiscard]] std::optional<RecordedModes> with(const Supposed& cause) const;
 
   const ModesProblem& problem_;
@@ -63,7 +64,8 @@ class ModesLook {
   std::vector<double> less_probable_;         // −ln prior of the levels, less the fit's
   Eigen::VectorXd own_;                       // errors of the base
   State state_;
-  Eigen::VectorXd here_, quick_hz_;
+  Eigen::VectorXd here_;
+  RecordedModes quick_;  // of the base, in few coordinates
   Matching quick_matching_;
   // The pairings of the base, each with its errors.
   std::vector<std::pair<std::vector<Eigen::Index>, Eigen::VectorXd>> without_cause_;
