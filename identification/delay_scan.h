@@ -1,6 +1,7 @@
 // A first guess of the delay, before the modes are known well.
 #pragma once
 
+#include "base/progress.h"
 #include "identification/fit_data.h"
 #include "identification/modal_fit.h"
 
@@ -24,7 +25,9 @@ namespace chladni::identification {
 /// one, 1/(2 df) further for their mean distance df, but 500 periods further at most. Resonances
 /// turn phases back, too: where many modes overlap the value is too large, by several periods.
 /// Cost: 25 K operations for each period and delay.
-[[nodiscard]] Eigen::VectorXd phase_delays(const FitData& data, DelayOf of);
+/// @throws Interrupted  see base/interrupt.h
+[[nodiscard]] Eigen::VectorXd phase_delays(const FitData& data, DelayOf of,
+                                           const Progress& progress = {});
 
 /// The data without the delay: G e^{+sτ}. The second function takes one delay for
 /// each response (pq).

@@ -79,10 +79,12 @@ struct FitDataOptions {
 /// number of lines that share a variance follows from the differences between neighbours. If the
 /// set states no variance, each line's variance is estimated from its difference to a local
 /// polynomial through its neighbours.
-/// @throws InvalidInput  fewer than 9 lines in the band, a response with 1 to 8 finite lines, one
+/// Where others have a variance, a variance of 0 is none: values of 0 beside it were not measured,
+/// and other values take the variance of their neighbours.
+/// @throws InvalidInput  fewer than 9 lines in the band, a response measured on 1 to 8 lines, one
 ///                       whose receptances are all below 1e-70 m/N or not all below 1e70 m/N, a
-///                       variance that is negative, or 0 on all lines of one response where others
-///                       have one
+///                       variance that is negative, or 0 on all lines of a measured response where
+///                       others have one
 [[nodiscard]] FitData fit_data(const modal::FrfSet& set, const FitDataOptions& options = {});
 
 /// The same data with new variances. They come from local polynomials through the residual of a

@@ -91,9 +91,9 @@ struct ModeMatch {
 /// Gain of the sensor over the gain of the actuator, up to one factor for all pairs
 /// (their mean ln is 0).
 struct PairGain {
-  double ratio = 1.0, ratio_std = 0.0;
+  double ratio = 1.0, ratio_std = 0.0;  ///< infinite where no mode tells it beside other pairs
   bool turned = false;     ///< one of the two has the opposite direction to the other pairs
-  Eigen::Index modes = 0;  ///< modes that give the ratio; without any, or with one pair, it is 1
+  Eigen::Index modes = 0;  ///< modes that give the ratio; without any, or of one pair, it is 1
 };
 
 /// A row of the extended output matrix.

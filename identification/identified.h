@@ -54,10 +54,10 @@ struct Identified {
 [[nodiscard]] Identified identified(const FitData& data, const IdentificationOptions& options = {});
 
 /// pq [s]: the delay of each response before any fit. It is the delay at which real residues at the
-/// poles of a vector fit fit best. Where the phases alone ask for one beyond the scan
-/// (phase_delays), poles are also sought without that one, and the better result counts. One
-/// output, one input or all responses share one delay, as options.fit.delay_of says. Zeros where
-/// options.fit.delay is false.
+/// poles of a vector fit fit best. Where the phases alone ask for one near the end of the scan or
+/// beyond it (phase_delays), poles are also sought without that one, and the better result counts.
+/// Of modes that overlap it may be off by periods. One output, one input or all responses share one
+/// delay, as options.fit.delay_of says. Zeros where options.fit.delay is false.
 /// @throws as vector_fit
 [[nodiscard]] Eigen::VectorXd delays_at_start(const FitData& data,
                                               const IdentificationOptions& options);
@@ -71,7 +71,7 @@ struct Identified {
 /// Fits the modes again, and a delay with them, to the same data. Their delay was taken out by a
 /// first estimate, and `fit` has none. The result replaces `fit` if it lowers the cost by more than
 /// five deviations, where the model's own error counts in the noise level. Else `fit` stays and
-/// only takes the deviation of the delay.
+/// only takes the deviation of the delay. Of its notes a new fit takes over those of the start.
 /// @param options  with `delay`
 /// @throws as modal_fit
 void free_delay(const FitData& data, const FitOptions& options, ModalFit& fit);

@@ -33,8 +33,9 @@ struct MatrixFraction {
   double cost = 0.0;  ///< Σ |w (G − D⁻¹N)|²: the output error, not the equation error
   std::vector<double> costs;  ///< after each iteration, both algorithms
   /// Largest output error of the last half of Sanathanan and Koerner's iterates over the least of
-  /// all, or over what noise leaves if that is more. Far above 1 the iteration does not settle: the
-  /// last bits of the sums may decide which iterate is the best, and all that follows from it.
+  /// all, or over what noise leaves if that is more; infinite where an error is not finite, which
+  /// ends the iteration. Far above 1 the iteration does not settle: the last bits of the sums may
+  /// decide which iterate is the best, and all that follows from it.
   double unrest = 1.0;
 };
 

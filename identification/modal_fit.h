@@ -65,6 +65,9 @@ struct ModalFit {
   int iterations = 0;
   bool converged = false;
   std::vector<std::string> notes;
+  /// Those of `notes` that tell how the start was found: they hold for fits that go on from it, the
+  /// others for this fit alone.
+  std::vector<std::string> start_notes;
 
   [[nodiscard]] Eigen::Index flexible_count() const {
     return model.mode_count() - model.rigid_count;

@@ -35,7 +35,8 @@ struct ObservedPlaces {
                                                  const ObservedPlaces& places);
 
 /// Γ of the modes in which the body moves as a whole, by least squares over the rows of the match;
-/// 0 of all others. Empty where there are no such modes or the channels do not tell them.
+/// 0 of all others. Channels that were not measured take no part. Empty where there are no such
+/// modes or the channels do not tell them.
 /// @param rigid  modes in which the body moves as a whole
 /// @param along  n_z: the part of each row's direction that is along z
 [[nodiscard]] Eigen::VectorXd floor_participation(const GainMatch& match,

@@ -21,7 +21,7 @@ struct RigidProduct {
 
 /// The product of the modes at 0 Hz and the `suspended` ones above it, which are taken for
 /// independent. Values are those of the matched shapes, whose gains are corrected; the covariance
-/// is that of the fit.
+/// is that of the fit, times the misfit of the rigid body where it is above 1.
 /// @throws InvalidInput  a suspended mode is none of the fit's
 [[nodiscard]] RigidProduct rigid_product(const ModalFit& fit, const GainMatch& match,
                                          const std::vector<Eigen::Index>& suspended);
@@ -37,7 +37,9 @@ struct RigidProperties {
 
 /// Weighted least squares of n_iᵀ n_j / m + ((p_i − c) × n_i)ᵀ J⁻¹ ((p_j − c) × n_j), the response
 /// of a rigid body at p_i along n_i to a force at p_j along n_j, with the covariance of `product`;
-/// a product of infinite variance has no weight.
+/// a product of infinite variance has no weight. Products that contradict a rigid body by more than
+/// chance, five deviations (a wrong gain or place), are as uncertain as they contradict it; where
+/// no covariance is stated, what is left of the products tells it.
 /// Where the channels see rotations about some axes only, the inertia about these is given for a
 /// body whose products of inertia with the other axes are 0.
 /// Cost: some tens of pq × 10 least-squares problems.

@@ -19,7 +19,8 @@ struct Suspension {
 /// Finds the lowest modes above 0 Hz that are rigid motions, at most as many as there are motions.
 /// Their shape, at the side with more channels, is a rigid motion within a fifth of its rms, and
 /// they lie below a third of the next mode. A side with no more channels than motions tells nothing
-/// about a shape. Empty where the body is free (modes at 0 Hz) or the data do not tell.
+/// about a shape; channels that were not measured do not count. Empty where the body is free (modes
+/// at 0 Hz) or the data do not tell.
 /// @param outputs, inputs  p×r and q×r, as rigid_directions gives them
 [[nodiscard]] Suspension suspension(const ModalFit& fit, const Eigen::MatrixXd& outputs,
                                     const Eigen::MatrixXd& inputs);

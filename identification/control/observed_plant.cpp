@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <complex>
+#include <vector>
 
 #include "base/error.h"
 #include "identification/control/scaled_model.h"
@@ -50,6 +51,20 @@ Eigen::MatrixXcd complex_rows(const PlacesOfInterest& rows) {
   if (rows.shapes.rows() == 0) return {};
   return rows.shapes.cast<std::complex<double>>() +
          std::complex<double>(0.0, 1.0) * rows.imaginary.cast<std::complex<double>>();
+}
+
+// Rows of a match with a deviation in one mode or more: a channel that was not measured has none,
+// and its values say nothing. All rows where no mode has a scale.
+std::vector<Eigen::Index> rows_that_tell(const GainMatch& match) {
+  std::vector<Eigen::Index> all;
+  std::vector<Eigen::Index> told;
+  for (Eigen::Index i = 0; i < match.shapes.rows(); ++i) {
+    all.push_back(i);
+    if (i < match.deviation.rows() && match.deviation.row(i).array().isFinite().any()) {
+      told.push_back(i);
+    }
+  }
+  return told.empty() ? all : told;
 }
 
 modal::ReducedModel enlarged(const Sizes& n, const ObservedPlaces& places,
@@ -102,11 +117,12 @@ modal::ControlModel observed_plant(const ModalFit& fit, const GainMatch& match,
 Eigen::VectorXd floor_participation(const GainMatch& match, const std::vector<Eigen::Index>& rigid,
                                     const Eigen::VectorXd& along) {
   if (rigid.empty() || along.size() != match.shapes.rows()) return {};
-  const Eigen::MatrixXd shapes = match.shapes(Eigen::all, rigid);
+  const auto rows = rows_that_tell(match);
+  const Eigen::MatrixXd shapes = match.shapes(rows, rigid);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(shapes);
   if (qr.rank() < shapes.cols()) return {};
   Eigen::VectorXd result = Eigen::VectorXd::Zero(match.shapes.cols());
-  const Eigen::VectorXd parts = qr.solve(along);
+  const Eigen::VectorXd parts = qr.solve(Eigen::VectorXd(along(rows)));
   result(rigid) = parts;
   return result;
 }

@@ -121,10 +121,12 @@ Eigen::RowVectorXd unexplained_residual(const GainMatch& match, const FieldSimul
       .select(left.colwise().norm().cwiseQuotient(count.max(1.0).sqrt().matrix()), all);
 }
 
-// Root mean square of each mode's shape at its channels.
-Eigen::VectorXd sizes_at_channels(const GainMatch& match) {
-  return match.shapes.colwise().norm().transpose() /
-         std::sqrt(static_cast<double>(match.shapes.rows()));
+// Root mean square of each mode's shape at the channels that were measured.
+Eigen::VectorXd sizes_at_channels(const ModalFit& fit, const GainMatch& match) {
+  const auto rows = measured_rows(fit, match);
+  const Eigen::MatrixXd shapes =
+      rows.empty() ? match.shapes : Eigen::MatrixXd(match.shapes(rows, Eigen::all));
+  return shapes.colwise().norm().transpose() / std::sqrt(static_cast<double>(shapes.rows()));
 }
 
 // Rigid-body rows at places that move along z: the body's motion in its plane is not known. There,
@@ -273,7 +275,7 @@ PlacesOfInterest places_of_interest(const ModalFit& fit, const ChannelGains& gai
   const auto m = fit.model.mode_count();
   PlacesOfInterest interest{
       Eigen::MatrixXd::Zero(places.count(), m),
-      sizes_at_channels(match).transpose().replicate(places.count(), 1),
+      sizes_at_channels(fit, match).transpose().replicate(places.count(), 1),
       residual_factor(match, simulation) * flexibility_above(simulation, places.shapes)};
   interest.shapes(Eigen::all, modes) = field.mean;
   interest.deviation(Eigen::all, modes) = field.deviation;

@@ -156,26 +156,42 @@ Response response_of(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j) {
   return one;
 }
 
-// Whether variances are stated: all of them or none, because zeros are none.
-// @pre `set` is one of receptances in the band
-bool has_variances(const modal::FrfSet& set) {
-  if (set.variance.empty()) return false;
-  std::string without;
-  bool some = false;
+bool states_variance(const Response& one) { return one.variance.maxCoeff() > 0.0; }
+
+// All responses, that of (i, j) at i + p j. Where others state a variance, one of zeros alone, its
+// variance too, was not measured: exporters write so what a matrix of responses lacks.
+std::vector<Response> responses_of(const modal::FrfSet& set) {
+  std::vector<Response> all;
   for (Eigen::Index j = 0; j < set.input_count(); ++j) {
-    for (Eigen::Index i = 0; i < set.output_count(); ++i) {
-      const auto one = response_of(set, i, j);
-      if (one.there.sum() == 0.0) continue;
-      const bool has = one.variance.maxCoeff() > 0.0;
-      some = some || has;
-      if (!has && without.empty()) without = response_name(set, i, j);
-    }
+    for (Eigen::Index i = 0; i < set.output_count(); ++i) all.push_back(response_of(set, i, j));
   }
-  require(!some || without.empty(),
-          "response " + without +
+  if (std::ranges::none_of(all, states_variance)) return all;
+  for (auto& one : all) {
+    if (one.value.isZero(0.0) && !states_variance(one)) one.there.setZero();
+  }
+  return all;
+}
+
+void check_lines(const Response& one, const std::string& name) {
+  const auto measured = static_cast<Eigen::Index>(one.there.sum());
+  require(measured >= kFewestLines,
+          "response " + name + ": measured on " + fmt::to_string(measured) + " of " +
+              fmt::to_string(one.there.size()) +
+              " lines in the band (not where it is NaN, or 0 beside a variance of 0), expected " +
+              fmt::to_string(kFewestLines) +
+              " or more; set all its values to NaN, so that it counts as not measured");
+  require(one.value.cwiseAbs().maxCoeff() > kLeastSize,
+          "response " + name +
+              ": all its lines are zero (less than 1e-70 m/N); set them to NaN if it was not "
+              "measured");
+}
+
+// Variances are stated of all responses that were measured, or of none, because zeros are none.
+void check_variance(const Response& one, const std::string& name) {
+  require(states_variance(one),
+          "response " + name +
               ": its variance is 0 on all lines, those of others are not; expected variances above "
               "0, or no variance of any response");
-  return some;
 }
 
 Eigen::VectorXd weights(const Response& one, const FitDataOptions& options, double largest) {
@@ -205,6 +221,23 @@ double largest_magnitude(const modal::FrfSet& set) {
     largest = std::max(largest, line.array().isFinite().select(line.cwiseAbs(), 0.0).maxCoeff());
   }
   return largest;
+}
+
+// Values and weights of the responses that were measured.
+void fill(FitData& data, const modal::FrfSet& set, const std::vector<Response>& all,
+          const FitDataOptions& options) {
+  const double largest = largest_magnitude(set);
+  data.value.setZero(set.line_count(), std::ssize(all));
+  data.weight.setZero(set.line_count(), std::ssize(all));
+  for (Eigen::Index e = 0; e < std::ssize(all); ++e) {
+    const auto& one = all[static_cast<std::size_t>(e)];
+    if (one.there.sum() == 0.0) continue;
+    const auto name = response_name(set, e % data.outputs, e / data.outputs);
+    check_lines(one, name);
+    if (data.noise_stated) check_variance(one, name);
+    data.value.col(e) = one.value;
+    data.weight.col(e) = weights(one, options, largest);
+  }
 }
 
 constexpr double kLeastFreedom = 2.0;  // of a variance, so that its inverse has a mean square
@@ -265,29 +298,17 @@ FitData fit_data(const modal::FrfSet& measured, const FitDataOptions& options) {
   require(set.line_count() >= kFewestLines, "fit: " + fmt::to_string(set.line_count()) +
                                                 " lines above 0 Hz in the band, expected " +
                                                 fmt::to_string(kFewestLines) + " or more");
-  const double largest = largest_magnitude(set);
+  const auto all = responses_of(set);
   FitData data{set.output_count(), set.input_count(), set.frequency_hz, {}, {}};
-  data.value.setZero(set.line_count(), data.outputs * data.inputs);
-  data.weight.setZero(set.line_count(), data.outputs * data.inputs);
-  data.noise_stated = options.weighting == Weighting::variance && has_variances(set);
+  data.noise_stated =
+      options.weighting == Weighting::variance && std::ranges::any_of(all, states_variance);
   const bool unstated = set.averages == 0.0;
   data.noise_known =
       data.noise_stated && options.model_error == 0.0 && (unstated || set.averages > kLeastFreedom);
   data.freedom_known = !data.noise_known || !unstated;
   data.weights_are_deviations = options.weighting == Weighting::variance;
   data.model_error = options.model_error;
-  for (Eigen::Index j = 0; j < data.inputs; ++j) {
-    for (Eigen::Index i = 0; i < data.outputs; ++i) {
-      const auto one = response_of(set, i, j);
-      if (one.there.sum() == 0.0) continue;
-      require(one.there.sum() >= kFewestLines && one.value.cwiseAbs().maxCoeff() > kLeastSize,
-              "response " + response_name(set, i, j) +
-                  ": its lines are zero (less than 1e-70 m/N) or fewer than 9 of them are finite; "
-                  "leave it out or set all its lines to NaN");
-      data.value.col(i + data.outputs * j) = one.value;
-      data.weight.col(i + data.outputs * j) = weights(one, options, largest);
-    }
-  }
+  fill(data, set, all, options);
   if (data.noise_known && !unstated) {
     data.noise_freedom = set.averages;
     data.shared_lines = lines_of_one_variance(data);

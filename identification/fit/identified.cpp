@@ -1,6 +1,5 @@
 #include "identification/identified.h"
 
-#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <utility>
@@ -211,7 +210,7 @@ Eigen::VectorXd delays_at_start(const FitData& data, const IdentificationOptions
   const auto none = Eigen::VectorXd::Zero(data.response_count());
   if (!options.fit.delay) return none;
   const auto near = scanned_beside(data, none, Held::Constant(none.size(), false), options);
-  const auto phases = phase_delays(data, options.fit.delay_of);
+  const auto phases = phase_delays(data, options.fit.delay_of, options.fit.progress);
   // Damping lengthens what the phases say: within the reach of the scan the scan knows better.
   const double reached =
       (Constants::delay_high - Constants::delay_margin) / data.frequency_hz(data.line_count() - 1);
@@ -249,9 +248,8 @@ void free_delay(const FitData& data, const FitOptions& options, ModalFit& fit) {
   auto free = modal_fit(data, start_of(fit), options);
   if (fit.cost - free.cost >
       0.5 * Constants::no_chance * Constants::no_chance * noise_level(fit, data)) {
-    for (const auto& note : fit.notes) {  // of how the start was found
-      if (std::ranges::find(free.notes, note) == free.notes.end()) free.notes.push_back(note);
-    }
+    free.start_notes = fit.start_notes;
+    free.notes.insert(free.notes.end(), fit.start_notes.begin(), fit.start_notes.end());
     fit = std::move(free);
   } else {
     fit.delay_std_s = free.delay_std_s;

@@ -292,14 +292,16 @@ Descent with_single_modes(const Descent& in_blocks, const Target& target, const 
 }
 
 // Notes that nothing connects the shapes of some channels with those of others: no response between
-// them tells whether a mode of the one is a mode of the other.
+// them tells whether a mode of the one is a mode of the other, nor by which factor and sign.
 void note_parts(const MeasuredResponses& measured, ModalFit& fit) {
   const auto parts = connected_channels(measured).size();
   if (parts < 2) return;
   fit.notes.push_back(
       "the channels are " + fmt::to_string(parts) +
-      " parts without a response between them: a mode that several parts see is found once in "
-      "each; measure one response between the parts, or identify them one by one");
+      " parts without a response between them: a mode that several parts see is mostly found, and "
+      "counts, once in each. How its shape goes on from one part to another is not known, nor are "
+      "the responses between the parts: what shapes and models have there, zeros mostly, says "
+      "nothing. Measure one response between the parts, or identify them one by one");
 }
 
 }  // namespace

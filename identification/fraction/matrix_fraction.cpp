@@ -15,6 +15,7 @@
 #include "identification/constants.h"
 #include "identification/fraction/filled.h"
 #include "identification/fraction/fraction_equations.h"
+#include "identification/fraction/unrest.h"
 #include "identification/poles/completion.h"
 #include "identification/poles/residue_problem.h"
 
@@ -100,15 +101,14 @@ void normalise(std::vector<Eigen::MatrixXcd>& divided) {
   for (auto& one : divided) one *= factor;
 }
 
-// MatrixFraction::unrest of the errors of all iterates.
-double unrest_of(const std::vector<double>& costs, double least, const FitData& data) {
+// The least error, or what noise or rounding leaves if that is more.
+double least_error(double least, const FitData& data) {
   constexpr double kRounding = 1e-12;  // of the squares: that is no error
   const double total =
       output_error(data, Eigen::MatrixXcd::Zero(data.value.rows(), data.value.cols()));
   const bool known = data.noise_known && data.weights_are_deviations;
   const double noise = known ? expected_cost(data, 0).mean : 0.0;
-  const auto half = costs.begin() + std::ssize(costs) / 2;
-  return *std::max_element(half, costs.end()) / std::max({least, noise, kRounding * total});
+  return std::max({least, noise, kRounding * total});
 }
 
 // Returns the iterate of lowest output error; its `costs` are those of all iterates.
@@ -143,7 +143,7 @@ MatrixFraction by_sanathanan_koerner(const FitData& data, const MatrixFractionOp
     divided = std::move(lines.inverse);
     normalise(divided);
   }
-  best.unrest = costs.empty() ? 1.0 : unrest_of(costs, best.cost, data);
+  best.unrest = unrest_of(costs, least_error(best.cost, data));
   best.costs = std::move(costs);
   return best;
 }
@@ -351,17 +351,12 @@ ModalFit thesis_fit(const FitData& data, const ThesisOptions& options) {
   how.progress = options.progress;
   auto fit = modal_fit(data, start, how);
   if (start.pole.size() < options.modes) {
-    fit.notes.push_back("the matrix fraction has " + fmt::to_string(start.pole.size()) +
-                        " resonances where " + fmt::to_string(options.modes) + " were asked for");
+    fit.start_notes.push_back("the matrix fraction has " + fmt::to_string(start.pole.size()) +
+                              " resonances where " + fmt::to_string(options.modes) +
+                              " were asked for");
   }
-  if (unrest > Constants::unsettled) {
-    fit.notes.push_back(fmt::format(
-        "the iteration of Sanathanan and Koerner does not settle: the last half of its errors "
-        "reaches {:.2g} times the least. The last bits of the sums, which differ between machines, "
-        "may decide from which one the fit goes on; compare another fraction_degree or number of "
-        "iterations, or take method = \"likelihood\"",
-        unrest));
-  }
+  if (unrest > Constants::unsettled) fit.start_notes.push_back(unrest_note(unrest));
+  fit.notes.insert(fit.notes.end(), fit.start_notes.begin(), fit.start_notes.end());
   return fit;
 }
 

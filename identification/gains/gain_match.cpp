@@ -95,13 +95,15 @@ void correct_gains(Matching& state) {
   const auto& options = state.options;
   if (options.fault == GainFault::nobody) return;
   const bool is_output = options.fault == GainFault::outputs;
+  const double scatter = gain_scatter(state.match.pairs);
   for (std::size_t c = 0; c < options.pairs.size(); ++c) {
     const auto& pair = options.pairs[c];
     const auto& gain = state.match.pairs[c];
     scale_channel(state, is_output, is_output ? pair.output : pair.input,
                   is_output ? 1.0 / gain.ratio : gain.ratio);
     const auto row = static_cast<Eigen::Index>(c);
-    const double relative = gain.ratio_std / gain.ratio;
+    const bool is_told = std::isfinite(gain.ratio_std);
+    const double relative = is_told ? gain.ratio_std / gain.ratio : scatter;
     state.ratios.deviation.row(row) = (state.ratios.deviation.row(row).array().square() +
                                        (relative * state.ratios.value.row(row).array()).square())
                                           .sqrt();

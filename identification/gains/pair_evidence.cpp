@@ -267,6 +267,9 @@ PairGains pair_gains(const ModalFit& fit, const std::vector<modal::ModeGroup>& g
   const auto n = std::ssize(pairs);
   PairGains result;
   result.gains.resize(pairs.size());
+  if (n > 1) {  // of one pair the ratio to all pairs together is 1
+    for (auto& gain : result.gains) gain.ratio_std = std::numeric_limits<double>::infinity();
+  }
   result.left = Eigen::MatrixXd::Zero(n, std::ssize(groups));
   std::vector<LogRatios> all;
   std::vector<Eigen::Index> of_group;
@@ -285,6 +288,7 @@ PairGains pair_gains(const ModalFit& fit, const std::vector<modal::ModeGroup>& g
   for (Eigen::Index c = 0; c < n; ++c) {
     auto& gain = result.gains[static_cast<std::size_t>(c)];
     gain.modes = count[static_cast<std::size_t>(c)];
+    if (gain.modes == 0) continue;
     gain.ratio = std::exp(layout.log_gain(c));
     gain.ratio_std = gain.ratio * std::sqrt(std::max(layout.covariance(c, c), 0.0));
   }
@@ -294,6 +298,17 @@ PairGains pair_gains(const ModalFit& fit, const std::vector<modal::ModeGroup>& g
     result.left(all[g].pairs, of_group[g]) = gap.cwiseQuotient(weight.diagonal().cwiseSqrt());
   }
   return result;
+}
+
+double gain_scatter(const std::vector<PairGain>& gains) {
+  double square = 0.0;
+  double told = 0.0;
+  for (const auto& gain : gains) {
+    if (gain.modes == 0) continue;
+    square += std::pow(std::log(gain.ratio), 2);
+    told += 1.0;
+  }
+  return told > 1.0 ? std::sqrt(square / (told - 1.0)) : 0.0;
 }
 
 }  // namespace chladni::identification

@@ -54,4 +54,8 @@ struct PairGains {
                                    const std::vector<CollocatedPair>& pairs,
                                    const PlaceRatios& ratios, const PairResidues& residues);
 
+/// Deviation of ln of a gain that no mode tells: what the told ones scatter by, about their mean of
+/// 0. 0 of fewer than two.
+[[nodiscard]] double gain_scatter(const std::vector<PairGain>& gains);
+
 }  // namespace chladni::identification

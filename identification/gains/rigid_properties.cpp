@@ -13,6 +13,7 @@
 #include <unsupported/Eigen/NonLinearOptimization>
 
 #include "base/error.h"
+#include "identification/constants.h"
 
 namespace chladni::identification {
 namespace {
@@ -171,6 +172,28 @@ double deviation_of(double variance) {
   return is_known(variance) ? std::sqrt(std::max(0.0, variance)) : kNone;
 }
 
+// Covariance of the weighted products. Where it is not stated, what the body leaves tells it.
+// Products that contradict a rigid body by more than can be chance are as far off as they do.
+// @param basis  orthonormal columns: what parameters can explain of the products
+Eigen::MatrixXd weighted_covariance(const RigidModel& model, const Eigen::VectorXd& t,
+                                    const RigidProduct& product, const Eigen::MatrixXd& basis) {
+  Eigen::VectorXd error;
+  model(t, error);
+  const double left = error.squaredNorm();
+  const Eigen::MatrixXd stated = without_unknown(product.covariance);
+  const bool known = stated.diagonal().maxCoeff() > 0.0;
+  const Eigen::VectorXd counts = (model.weight.array() > 0.0).cast<double>();
+  Eigen::MatrixXd covariance = counts.asDiagonal();
+  if (known) covariance = model.weight.asDiagonal() * stated * model.weight.asDiagonal();
+  Eigen::MatrixXd rest = covariance - basis * (basis.transpose() * covariance);
+  rest -= Eigen::MatrixXd(rest * basis) * basis.transpose();
+  const double expected = rest.trace();
+  const bool tells = expected > 1e-9 * covariance.trace();  // else any products are a body's
+  if (!known) return (tells ? left / expected : kNone) * covariance;
+  const double chance = expected + Constants::no_chance * std::sqrt(2.0) * rest.norm();
+  return (tells && left > chance ? left / expected : 1.0) * covariance;
+}
+
 Told told(const RigidModel& model, const Eigen::VectorXd& t, const RigidProduct& product) {
   Eigen::MatrixXd jacobian;
   model.df(t, jacobian);
@@ -180,8 +203,10 @@ Told told(const RigidModel& model, const Eigen::VectorXd& t, const RigidProduct&
   const Eigen::MatrixXd inverse = svd.matrixV().leftCols(rank) *
                                   values.head(rank).cwiseInverse().asDiagonal() *
                                   svd.matrixU().leftCols(rank).transpose();
-  const Eigen::MatrixXd map = inverse.leftCols(model.measured.size()) * model.weight.asDiagonal();
-  Told result{map * without_unknown(product.covariance) * map.transpose(), {}};
+  const auto n = model.measured.size();
+  const Eigen::MatrixXd map = inverse.leftCols(n);
+  const Eigen::MatrixXd basis = svd.matrixU().leftCols(rank).topRows(n);
+  Told result{map * weighted_covariance(model, t, product, basis) * map.transpose(), {}};
   for (Eigen::Index k = 0; k < 10; ++k) {
     const double free = svd.matrixV().row(k).tail(10 - rank).norm();
     result.known[static_cast<std::size_t>(k)] = free < 1e-3;
@@ -279,7 +304,9 @@ RigidProduct rigid_product(const ModalFit& fit, const GainMatch& match,
     }
     product.covariance += change * finite * change.transpose();
   };
-  if (rigid > 0) add(0, rigid, fit.rigid_covariance);
+  // The rows of a rigid body leave nothing of a rigid body: what the fit's own left is told.
+  const double misfit = match.rigid ? std::max(1.0, match.rigid->misfit) : 1.0;
+  if (rigid > 0) add(0, rigid, misfit * fit.rigid_covariance);
   for (const auto m : suspended) {
     require(m >= rigid && m < fit.model.mode_count(), "rigid body: no such suspended mode");
     Eigen::MatrixXd own;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "identification/constants.h"
@@ -16,23 +17,57 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
+// A mode at the channels of one side that know it, and the rigid motions there.
+struct Side {
+  Eigen::VectorXd shape;       // n
+  Eigen::MatrixXd directions;  // n×r
+};
+
+// A channel that was not measured has no deviation; its value says nothing. Without deviations all
+// are known.
+Side known_side(const Eigen::VectorXd& shape, const Eigen::VectorXd& deviation,
+                const Eigen::MatrixXd& directions) {
+  if (deviation.size() != shape.size()) return {shape, directions};
+  std::vector<Eigen::Index> known;
+  for (Eigen::Index i = 0; i < shape.size(); ++i) {
+    if (std::isfinite(deviation(i))) known.push_back(i);
+  }
+  return {shape(known), directions(known, Eigen::all)};
+}
+
+Side outputs_of(const ModalFit& fit, Eigen::Index mode, const Eigen::MatrixXd& directions) {
+  const bool has = mode < fit.output_std.cols();
+  return known_side(fit.model.output_shapes.col(mode),
+                    has ? Eigen::VectorXd(fit.output_std.col(mode)) : Eigen::VectorXd(),
+                    directions);
+}
+
+Side inputs_of(const ModalFit& fit, Eigen::Index mode, const Eigen::MatrixXd& directions) {
+  const bool has = mode < fit.input_std.rows();
+  return known_side(fit.model.input_shapes.row(mode).transpose(),
+                    has ? Eigen::VectorXd(fit.input_std.row(mode).transpose()) : Eigen::VectorXd(),
+                    directions);
+}
+
 // Part of a shape that no rigid motion explains, relative to the shape. NaN: the
 // places do not tell.
-double bent_part(const Eigen::VectorXd& shape, const Eigen::MatrixXd& directions) {
+double bent_part(const Side& side) {
+  const auto& directions = side.directions;
+  if (directions.rows() <= directions.cols()) return kUnknown;
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(directions);
-  if (directions.rows() <= directions.cols() || qr.rank() < directions.cols()) return kUnknown;
-  const double size = shape.norm();
-  return size > 0.0 ? (shape - directions * qr.solve(shape)).norm() / size : kUnknown;
+  if (qr.rank() < directions.cols()) return kUnknown;
+  const double size = side.shape.norm();
+  return size > 0.0 ? (side.shape - directions * qr.solve(side.shape)).norm() / size : kUnknown;
 }
 
 // The same part at the side with more channels, or at the other side where that one does not tell.
 double bent_part(const ModalFit& fit, Eigen::Index mode, const Eigen::MatrixXd& outputs,
                  const Eigen::MatrixXd& inputs) {
-  const double left = bent_part(fit.model.output_shapes.col(mode), outputs);
-  const double right = bent_part(fit.model.input_shapes.row(mode).transpose(), inputs);
-  const bool sensors = outputs.rows() >= inputs.rows();
-  const double first = sensors ? left : right;
-  return std::isfinite(first) ? first : (sensors ? right : left);
+  const auto at_outputs = outputs_of(fit, mode, outputs);
+  const auto at_inputs = inputs_of(fit, mode, inputs);
+  const bool sensors = at_outputs.shape.size() >= at_inputs.shape.size();
+  const double first = bent_part(sensors ? at_outputs : at_inputs);
+  return std::isfinite(first) ? first : bent_part(sensors ? at_inputs : at_outputs);
 }
 
 Suspension lowest(const ModalFit& fit, const Eigen::MatrixXd& outputs,

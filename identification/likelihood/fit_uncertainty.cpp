@@ -233,30 +233,49 @@ void resize(ModalFit& fit, const BlockModel& model, Eigen::Index outputs, Eigen:
   shapes.input_real_std = shapes.input_imaginary_std = fit.input_std;
 }
 
+// The outputs at which mode m is seen: those with a measured response of which it is a part. Where
+// no response connects parts of the channels, a mode is mostly seen in one of them.
+std::vector<Eigen::Index> outputs_that_see(const Eigen::MatrixXd& weight, const ModalFit& fit,
+                                           Eigen::Index m) {
+  constexpr double kUnseen = 1e-9;  // of the largest residue
+  const Eigen::MatrixXd residue = (fit.model.output_shapes.col(m) * fit.model.input_shapes.row(m))
+                                      .cwiseAbs()
+                                      .cwiseProduct((weight.array() > 0.0).cast<double>().matrix());
+  const Eigen::VectorXd size = residue.rowwise().maxCoeff();
+  std::vector<Eigen::Index> seen;
+  for (Eigen::Index i = 0; i < size.size(); ++i) {
+    if (size(i) > kUnseen * size.maxCoeff()) seen.push_back(i);
+  }
+  return seen;
+}
+
+bool has_common(const std::vector<Eigen::Index>& a, const std::vector<Eigen::Index>& b) {
+  return std::ranges::any_of(a, [&](auto i) { return std::ranges::find(b, i) != b.end(); });
+}
+
 // Neighbours within a bandwidth form one group if the shape of either is hardly known at the
-// outputs that were measured: the data do not separate them.
+// outputs that see it: the data do not separate them. Modes that no output sees both are apart.
 std::vector<modal::ModeGroup> groups_of(const Eigen::MatrixXd& weight, const ModalFit& fit) {
   const auto& model = fit.model;
-  std::vector<Eigen::Index> measured;
-  for (Eigen::Index i = 0; i < weight.rows(); ++i) {
-    if (weight.row(i).sum() > 0.0) measured.push_back(i);
-  }
-  const auto unknown = [&](Eigen::Index m) {
-    return fit.output_std.col(m)(measured).norm() >
-           Constants::unknown_shape * model.output_shapes.col(m)(measured).norm();
+  const auto unknown = [&](Eigen::Index m, const std::vector<Eigen::Index>& seen) {
+    return fit.output_std.col(m)(seen).norm() >
+           Constants::unknown_shape * model.output_shapes.col(m)(seen).norm();
   };
   std::vector<modal::ModeGroup> groups;
   if (model.rigid_count > 0) groups.push_back({0, model.rigid_count});
+  std::vector<Eigen::Index> before;
   for (auto m = model.rigid_count; m < model.mode_count(); ++m) {
-    const bool near = m > model.rigid_count &&
+    const auto seen = outputs_that_see(weight, fit, m);
+    const bool near = m > model.rigid_count && has_common(seen, before) &&
                       model.frequency_hz(m) - model.frequency_hz(m - 1) <
                           2.0 * std::max(model.damping_ratio(m), model.damping_ratio(m - 1)) *
                               model.frequency_hz(m);
-    if (near && (unknown(m) || unknown(m - 1))) {
+    if (near && (unknown(m, seen) || unknown(m - 1, before))) {
       ++groups.back().size;
     } else {
       groups.push_back({m, 1});
     }
+    before = seen;
   }
   return groups;
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "base/interrupt.h"
 #include "base/search.h"
 #include "base/turn.h"
 #include "identification/constants.h"
@@ -65,6 +66,7 @@ double agreeing_delay(const FitData& data, const Eigen::ArrayXcd& squared) {
   Eigen::ArrayXcd turned = squared * turns(best);
   double most = turned.real().sum();
   for (Eigen::Index n = 1; static_cast<double>(n) * step < range; ++n) {
+    throw_if_interrupted();
     turned *= further;
     const double here = turned.real().sum();
     if (here <= most) continue;
@@ -129,11 +131,13 @@ Eigen::VectorXd scanned_delays(const FitData& data, const Eigen::VectorXcd& pole
   return result;
 }
 
-Eigen::VectorXd phase_delays(const FitData& data, DelayOf of) {
+Eigen::VectorXd phase_delays(const FitData& data, DelayOf of, const Progress& progress) {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(data.response_count());
-  for (const auto& own : responses_of_delays(data, of)) {
-    const auto squared = squared_phases(data, own);
-    if ((squared != 0.0).any()) result(own).setConstant(agreeing_delay(data, squared));
+  const auto delays = responses_of_delays(data, of);
+  for (std::size_t n = 0; n < delays.size(); ++n) {
+    tell(progress, "delays", static_cast<double>(n) / static_cast<double>(delays.size()));
+    const auto squared = squared_phases(data, delays[n]);
+    if ((squared != 0.0).any()) result(delays[n]).setConstant(agreeing_delay(data, squared));
   }
   return result;
 }

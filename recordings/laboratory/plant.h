@@ -13,8 +13,8 @@ namespace chladni::recordings {
 /// What velocities and accelerations take from the forces without any state: D₀ u + D₁ u̇ + D₂ ü.
 /// Static flexibility moves at once, so its velocity follows u̇ and its acceleration ü.
 struct RatePath {
-  Eigen::MatrixXd force, rate, second;  ///< D₀, D₁, D₂: p×q; no rows of displacements
-  Eigen::MatrixXd kink;  ///< p×q: by how much the slope of a velocity changes with the force
+  Eigen::MatrixXd force, rate, second;  ///< D₀, D₁, D₂: p×q; 0 in rows of displacements
+  Eigen::MatrixXd kink;  ///< p×q: c = C B; the slope of a velocity changes by c u with the force
 };
 
 /// ẋ_i = A_i x_i + B_i u, y = Σ C_i x_i + D u + the path of rates; p outputs, q forces.

@@ -51,8 +51,10 @@ Eigen::MatrixXd along_rate_path(const RatePath& path, const SampledDelay& delay,
   constexpr Eigen::Index beside = kRateAhead - 4;  // rows that no difference needs
   const auto u = felt(delay, force);
   const Eigen::MatrixXd inner = u.middleRows(beside, u.rows() - 2 * beside);
-  // A velocity kinks where a held force jumps. Its samples hold x² / sin² x of it: more by T²/12 of
-  // the third derivative, less where the jump lies between two samples.
+  // A velocity kinks where a held force u jumps; its slope changes by c u there. Aliasing makes its
+  // samples x² / sin² x of what the instrument records, x = ωT/2. The excess, −jω T²/12 of c u to
+  // first order, is added back; where the jumps lie a fraction f of T beside samples, f (1 − f)
+  // T²/2 less.
   const double f = delay.fraction;
   const double kink = sample_time_s * sample_time_s * (1.0 / 12.0 - 0.5 * f * (1.0 - f));
   Eigen::MatrixXd result =

@@ -2,9 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <csignal>
 #include <limits>
+#include <string_view>
 #include <utility>
 
+#include "base/error.h"
+#include "base/interrupt.h"
 #include "fit_errors.h"
 #include "identification/delay_scan.h"
 #include "identification/identified.h"
@@ -159,6 +163,29 @@ TEST(ChannelDelays, AreSeenInThePhasesAlone) {
     const auto i = e % data.outputs;
     EXPECT_NEAR(found(e), i == 2 ? 0.0 : kDelay(i), 0.1 / 200.0) << e;
   }
+}
+
+// Many sensors of many lines take minutes: each is told, and Ctrl-C ends the search within one.
+TEST(ChannelDelays, AreToldAndEndAtCtrlC) {
+  const auto data = fit_data(delayed(4).measured);
+  double last = -1.0;
+  int told = 0;
+  (void)phase_delays(data, DelayOf::outputs, [&](std::string_view, double fraction) {
+    EXPECT_GT(fraction, last);
+    EXPECT_LT(fraction, 1.0);
+    last = fraction;
+    ++told;
+  });
+  EXPECT_EQ(told, 5);
+  const NotedInterrupts noted;
+  told = 0;
+  const auto stop = [&](std::string_view, double) {
+    ++told;
+    if (told == 2) std::raise(SIGINT);
+  };
+  EXPECT_THROW((void)phase_delays(data, DelayOf::outputs, stop), Interrupted);
+  EXPECT_EQ(told, 2);
+  forget_interrupt();
 }
 
 }  // namespace

@@ -113,6 +113,10 @@ TEST(Identified, FindsNoRigidBodyModeInResponsesThatWereNotMeasured) {
   }
 }
 
+// The responses of outputs 1 and 2 to input 2 and 3 and of the others to input 1 are not there.
+const std::vector<std::pair<Eigen::Index, Eigen::Index>> kBetweenParts{
+    {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 0}, {3, 0}, {4, 0}};
+
 // Nothing connects the shapes of two parts; the fit says so.
 TEST(Identified, SaysThatPartsHaveNoCommonChannel) {
   const auto made = simulators::beam5x3();
@@ -121,11 +125,41 @@ TEST(Identified, SaysThatPartsHaveNoCommonChannel) {
       return note.find("2 parts without a response between them") != std::string::npos;
     });
   };
-  const std::vector<std::pair<Eigen::Index, Eigen::Index>> between{{0, 1}, {0, 2}, {1, 1}, {1, 2},
-                                                                   {2, 0}, {3, 0}, {4, 0}};
-  EXPECT_TRUE(says(found_with_rank(without_responses(made, between))));
-  EXPECT_FALSE(
-      says(found_with_rank(without_responses(made, {between.begin() + 1, between.end()}))));
+  EXPECT_TRUE(says(found_with_rank(without_responses(made, kBetweenParts))));
+  EXPECT_FALSE(says(
+      found_with_rank(without_responses(made, {kBetweenParts.begin() + 1, kBetweenParts.end()}))));
+}
+
+// Three modes seen by two sensors from one actuator, and by a third sensor from another: a part has
+// modes of its own, which are no group with those of the other part. No digit mixes them.
+TEST(Identified, MakesNoGroupOfModesOfDifferentParts) {
+  simulators::Dice dice(3);
+  FitData data{.outputs = 3, .inputs = 2, .frequency_hz = {}, .value = {}, .weight = {}};
+  data.frequency_hz = Eigen::VectorXd::LinSpaced(391, 5.0, 200.0);
+  data.value = Eigen::MatrixXcd::Zero(391, 6);
+  data.weight = Eigen::MatrixXd::Zero(391, 6);
+  const Eigen::MatrixXd shapes{{1.0, 0.7, -0.5}, {0.6, -0.9, 0.4}, {-0.8, 0.5, 0.9}};
+  const Eigen::Vector3d own_hz(40.0, 90.0, 150.0);
+  for (const auto& [i, j] :
+       std::vector<std::pair<Eigen::Index, Eigen::Index>>{{0, 0}, {1, 0}, {2, 1}}) {
+    auto response = data.value.col(i + 3 * j);
+    for (Eigen::Index m = 0; m < 3; ++m) {
+      const double residue = shapes(i, m) * shapes(j == 0 ? 0 : 2, m);
+      for (Eigen::Index k = 0; k < 391; ++k) {
+        const double hz = data.frequency_hz(k);
+        response(k) +=
+            residue / std::complex<double>(own_hz(m) * own_hz(m) - hz * hz, 0.02 * own_hz(m) * hz);
+      }
+    }
+    const double noise = 3e-3 * response.norm() / std::sqrt(391.0);
+    response += noise / std::sqrt(2.0) *
+                (dice.normal(391, 1).cast<std::complex<double>>() +
+                 std::complex<double>(0.0, 1.0) * dice.normal(391, 1).cast<std::complex<double>>());
+    data.weight.col(i + 3 * j).setConstant(1.0 / noise);
+  }
+  const auto fit = identified(data).fit;
+  EXPECT_EQ(fit.model.mode_count(), 6);
+  EXPECT_EQ(std::ssize(fit.groups), fit.model.mode_count());
 }
 
 }  // namespace

@@ -4,10 +4,13 @@
 
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <random>
 #include <string>
 #include <vector>
+
+#include "identification/observed_plant.h"
 
 namespace chladni::identification {
 namespace {
@@ -136,6 +139,24 @@ TEST(IdentifiedControlModel, SaysWhatAccelerometersLackOfComplexShapes) {
     const Eigen::MatrixXcd lacks = s * s * displacement - response(early, hz);
     EXPECT_LT((lacks - s * (space.c * space.b)).norm(), 1e-8 * lacks.norm());
   }
+}
+
+// Heave of 2 and tilt of 3 x: a floor that moves up moves all by one, Γ = (1/2, 0). What a sensor
+// that was not measured has as its shape says nothing.
+TEST(FloorParticipation, LeavesOutChannelsThatWereNotMeasured) {
+  GainMatch match;
+  match.shapes = Eigen::MatrixXd{{2.0, -0.6, 0.3}, {2.0, 0.0, 0.2}, {2.0, 0.9, -0.7}};
+  match.deviation = Eigen::MatrixXd::Constant(3, 3, 1e-3);
+  const std::vector<Eigen::Index> rigid{0, 1};
+  const Eigen::Vector3d along = Eigen::Vector3d::Ones();
+  const Eigen::Vector3d expected(0.5, 0.0, 0.0);
+  EXPECT_LT((floor_participation(match, rigid, along) - expected).norm(), 1e-12);
+  match.shapes.row(1).setZero();
+  match.deviation.row(1).setConstant(std::numeric_limits<double>::infinity());
+  EXPECT_LT((floor_participation(match, rigid, along) - expected).norm(), 1e-12);
+  // One row is left for two motions.
+  match.deviation.row(2).setConstant(std::numeric_limits<double>::infinity());
+  EXPECT_EQ(floor_participation(match, rigid, along).size(), 0);
 }
 
 }  // namespace

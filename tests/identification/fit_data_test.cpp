@@ -145,6 +145,47 @@ TEST(FitData, NamesTheResponseThatHasNoVariance) {
   EXPECT_FALSE(fit_data(set).noise_known);
 }
 
+// Exporters fill a matrix of responses with zeros, variances too: that is no measurement.
+TEST(FitData, CountsZerosWithoutAVarianceAsNotMeasured) {
+  auto set = simulators::beam5x3().measured;
+  auto without = set;
+  for (std::size_t k = 0; k < set.value.size(); ++k) {
+    set.value[k](1, 2) = set.variance[k](1, 2) = 0.0;
+    without.value[k](1, 2) = kMissing;
+  }
+  const auto data = fit_data(set);
+  const auto expected = fit_data(without);
+  EXPECT_EQ(data.measured_count(), 2 * 799 * 14);
+  EXPECT_EQ(data.weight, expected.weight);
+  EXPECT_EQ(data.value, expected.value);
+  // Where no variance is stated of any response, zeros may be meant.
+  set.variance.clear();
+  EXPECT_THROW((void)fit_data(set), InvalidInput);
+}
+
+// Lines that were not measured may be NaN, or 0 beside a variance of 0.
+TEST(FitData, NamesTheResponseThatWasMeasuredOnTooFewLines) {
+  for (const auto nothing : {kMissing, std::complex<double>(0.0)}) {
+    for (const bool has_variance : {true, false}) {
+      auto set = simulators::beam5x3().measured;
+      for (std::size_t k = 0; k < set.value.size(); ++k) {
+        if (k >= 5) set.value[k](3, 1) = nothing;
+        if (k >= 5 || !has_variance) set.variance[k](3, 1) = 0.0;
+      }
+      if (nothing == 0.0 && !has_variance) continue;  // 799 lines without a variance
+      try {
+        (void)fit_data(set);
+        FAIL() << "taken";
+      } catch (const InvalidInput& error) {
+        const std::string text = error.what();
+        EXPECT_NE(text.find("response y4/u2: measured on 5 of 799 lines"), std::string::npos)
+            << text;
+        EXPECT_NE(text.find("set all its values to NaN"), std::string::npos) << text;
+      }
+    }
+  }
+}
+
 TEST(FitData, NamesWhatIsWrong) {
   auto set = beam(0.3);
   FitDataOptions narrow;

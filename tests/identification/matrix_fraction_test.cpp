@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "identification/fraction/fraction_equations.h"
+#include "identification/fraction/unrest.h"
 #include "identification/identified.h"
 #include "modal/mac.h"
 #include "simulators/frf_bounds.h"
@@ -249,6 +250,24 @@ TEST(FreeDelay, HasTheDeviationOfTheBound) {
   }
 }
 
+// What is said of single modes holds for the fit that said it; what is said of the start stays.
+TEST(FreeDelay, KeepsTheNotesOfTheStartAlone) {
+  for (const double late : {0.0, 2e-5}) {  // the fit stays; it is replaced
+    simulators::FrfFaults faults;
+    faults.delay_s = late;
+    const auto data = fit_data(simulators::beam5x3(faults).measured);
+    auto fit = thesis_fit(data, {.modes = 5, .levenberg_marquardt = 2});
+    fit.start_notes = {"of the start"};
+    fit.notes = {"mode at 35.1 Hz: of this fit", "of the start"};
+    const auto before = fit.notes;
+    FitOptions options;
+    options.delay = true;
+    free_delay(data, options, fit);
+    EXPECT_EQ(fit.notes, late > 0.0 ? fit.start_notes : before) << late;
+    EXPECT_EQ(fit.start_notes, std::vector<std::string>{"of the start"});
+  }
+}
+
 // Six modes of the wafer table, three at 0 Hz, seen at its four corners.
 simulators::FrfCase six_modes() {
   const auto whole = simulators::oat4x13(noiseless());
@@ -319,6 +338,21 @@ TEST(MatrixFraction, IsAtRestWhereTheIterationSettles) {
     EXPECT_LT(matrix_fraction(data, {2, 2, 30, 0, {}}).unrest, 2.0);
     EXPECT_TRUE(thesis_fit(data, {.modes = 5, .levenberg_marquardt = 2}).notes.empty());
   }
+}
+
+// An error that is not finite is the worst of all, whatever comparisons with it say.
+TEST(MatrixFraction, IsNotAtRestWhereAnErrorIsNotFinite) {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  const double infinite = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(unrest_of({9.0, 2.0, 2.0, 3.0}, 2.0), 1.5);
+  EXPECT_EQ(unrest_of({}, 2.0), 1.0);
+  for (const double last : {none, infinite}) {
+    EXPECT_EQ(unrest_of({9.0, 2.0, 2.0, last}, 2.0), infinite);
+    EXPECT_EQ(unrest_of({2.0, 2.0, last, 2.0}, 2.0), infinite);
+  }
+  EXPECT_EQ(unrest_note(infinite).find("inf "), std::string::npos);
+  EXPECT_NE(unrest_note(infinite).find("not finite"), std::string::npos);
+  EXPECT_NE(unrest_note(70.4).find("70 times the least, or what noise leaves"), std::string::npos);
 }
 
 // Vector fits that give values to gaps come before the first iteration: they are told, too.

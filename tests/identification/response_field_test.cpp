@@ -359,6 +359,23 @@ TEST(ResponseField, HasModesWithoutAScaleInItsBand) {
   EXPECT_GT(found.deviation[0].norm(), 0.3 * real.value[0].norm());
 }
 
+// Shapes of channels that were not measured are 0, which makes no mode smaller.
+TEST(ResponseField, TakesTheSizeOfAModeFromWhatWasMeasured) {
+  const auto field = field_of(responses_of(kPairs), kPairs);
+  const FieldSimulation simulated{
+      {frequencies(20.6), sines(sensors()), sines(kPairs)}, sines(sensors()), 400.0};
+  auto gains = field.gains();
+  auto& match = gains.match;
+  match.shapes.topRows(5).setZero();
+  match.deviation.topRows(5).setConstant(std::numeric_limits<double>::infinity());
+  const auto interest =
+      places_of_interest(field.fit(), gains, {0, 1, 3}, simulated, places_at(kBetween),
+                         {sines(kBetween)(Eigen::all, {0, 1, 3}), Eigen::MatrixXd::Zero(3, 3)});
+  const Eigen::VectorXd rest = match.shapes.col(2).tail(match.shapes.rows() - 5);
+  const double size = rest.norm() / std::sqrt(static_cast<double>(rest.size()));
+  for (Eigen::Index i = 0; i < 3; ++i) EXPECT_NEAR(interest.deviation(i, 2), size, 1e-12);
+}
+
 TEST(ResponseFieldRefuses, PlacesThatDoNotFitTheChannels) {
   const auto responses = responses_of(kPairs);
   const auto message = refusal_of([&] {

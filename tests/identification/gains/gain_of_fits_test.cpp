@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "gain_case.h"
@@ -173,6 +174,42 @@ TEST(GainOfFits, LeavesOutOfTheGainsWhatTheOtherModesContradict) {
     return text.find("y1/u1") != std::string::npos && text.find("disagrees") != std::string::npos;
   };
   EXPECT_TRUE(std::ranges::any_of(match.warnings, named));
+}
+
+// The last pair alone sees the last mode, and no other: nothing compares its gain with the others'.
+// It is not known to be 1, and the mode's scale is as uncertain as the known gains scatter.
+TEST(GainOfFits, IsNotKnownOfAPairThatNoModeComparesWithOthers) {
+  const auto made = simulators::beam5x3(quiet());
+  auto fit = true_fit(made);
+  auto& model = fit.model;
+  const auto last = model.mode_count() - 1;
+  for (Eigen::Index m = 0; m <= last; ++m) {
+    if (m < last) {
+      model.output_shapes(4, m) = model.input_shapes(m, 2) = 0.0;
+    } else {
+      model.output_shapes(0, m) = model.output_shapes(2, m) = 0.0;
+      model.input_shapes(m, 0) = model.input_shapes(m, 1) = 0.0;
+    }
+  }
+  model.output_shapes.row(0) *= 1.2;
+  model.output_shapes.row(2) /= 1.2;
+  auto options = with_pairs(made);
+  options.fault = GainFault::outputs;
+  const auto match = matched(made, fit, options);
+  ASSERT_EQ(match.pairs.size(), 3U);
+  EXPECT_GE(match.pairs[0].modes, 2);
+  EXPECT_NEAR(match.pairs[0].ratio, 1.2, 1e-6);
+  EXPECT_NEAR(match.pairs[1].ratio, 1.0 / 1.2, 1e-6);
+  EXPECT_EQ(match.pairs[2].modes, 0);
+  EXPECT_EQ(match.pairs[2].ratio, 1.0);
+  EXPECT_EQ(match.pairs[2].ratio_std, std::numeric_limits<double>::infinity());
+  const double scatter = std::sqrt(2.0) * std::log(1.2);
+  const auto& mode = match.modes[static_cast<std::size_t>(last)];
+  EXPECT_EQ(mode.by, MatchedBy::pairs);
+  EXPECT_NEAR(mode.alpha_std / mode.alpha, 0.5 * scatter, 0.05 * scatter);
+  // Of one pair the gain over that of all pairs is 1.
+  options.pairs.resize(1);
+  EXPECT_EQ(matched(made, fit, options).pairs[0].ratio_std, 0.0);
 }
 
 }  // namespace

@@ -139,6 +139,55 @@ TEST(RigidProperties, DeviationsAreThoseOfTheScatter) {
   EXPECT_NEAR(inertia, 1.0, 0.3);
 }
 
+// A sensor of a wrong gain makes products that no body has. Deviations by their noise alone would
+// be hundreds of times too small; they do not depend on it then, nor on whether it is stated.
+TEST(RigidProperties, AreNotSurerThanTheProductsAgree) {
+  const auto truth = body(false);
+  const auto outputs = frame(9, 7, false);
+  const auto inputs = frame(8, 8, false);
+  const Eigen::MatrixXd value = responses_of(truth, outputs, inputs);
+  const double size = value.cwiseAbs().maxCoeff();
+  for (Eigen::Index sensor = 0; sensor < 9; ++sensor) {
+    auto wrong = value;
+    wrong.row(sensor) *= 1.1;
+    const auto found_with = [&](double noise) {
+      auto product = exact(wrong);
+      product.covariance.diagonal().setConstant(noise * noise);
+      return rigid_properties(product, outputs, inputs);
+    };
+    const auto found = found_with(1e-6 * size);
+    EXPECT_LT(std::abs(found.mass - truth.mass), 10.0 * found.mass_std) << sensor;
+    for (const double noise : {1e-5 * size, 0.0}) {
+      const auto other = found_with(noise);
+      EXPECT_NEAR(other.mass_std / found.mass_std, 1.0, 1e-6) << sensor;
+      EXPECT_LT((other.centre_std - found.centre_std).norm(), 1e-6 * found.centre_std.norm());
+      EXPECT_LT((other.inertia_std - found.inertia_std).norm(), 1e-6 * found.inertia_std.norm());
+    }
+    // Where the stated noise explains more than is left, it counts.
+    EXPECT_NEAR(found_with(2.0 * size).mass_std / found_with(1.0 * size).mass_std, 2.0, 1e-6);
+  }
+}
+
+// The rows that follow from a rigid body agree with it, whatever the fit's own products did.
+TEST(RigidProduct, HasTheMisfitOfTheBodyThatMadeItsRows) {
+  ModalFit fit;
+  fit.model.frequency_hz = fit.model.damping_ratio = Eigen::Vector2d::Zero();
+  fit.model.rigid_count = 2;
+  fit.model.output_shapes = Eigen::MatrixXd{{1.0, 0.2}, {0.9, -0.3}, {1.1, 0.4}};
+  fit.model.input_shapes = fit.model.output_shapes.topRows(2).transpose();
+  fit.rigid_covariance = 1e-6 * Eigen::MatrixXd::Identity(10, 10);
+  GainMatch match;
+  match.shapes = fit.model.output_shapes;
+  match.input_shapes = fit.model.input_shapes;
+  const auto plain = rigid_product(fit, match, {});
+  match.rigid.emplace();
+  match.rigid->misfit = 0.5;
+  EXPECT_EQ(rigid_product(fit, match, {}).covariance, plain.covariance);
+  match.rigid->misfit = 400.0;
+  EXPECT_LT((rigid_product(fit, match, {}).covariance - 400.0 * plain.covariance).norm(),
+            1e-12 * 400.0 * plain.covariance.norm());
+}
+
 // A sensor and an actuator that are not measured say nothing: all is as without them.
 TEST(RigidProperties, UnmeasuredChannelsChangeNothingAndMakeNothingExact) {
   const auto outputs = frame(9, 7, false);

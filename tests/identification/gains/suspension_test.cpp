@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "base/error.h"
 #include "gain_case.h"
 
@@ -40,6 +42,26 @@ TEST(Suspension, FindsNothingWhereNothingTellsIt) {
   fit.model.input_shapes = fit.model.input_shapes.bottomRows(3).eval();
   const auto geometry = geometry_of(made, RigidMotion::beam);
   EXPECT_TRUE(suspension(fit, geometry.outputs, geometry.inputs).modes.empty());
+}
+
+// A broken sensor and an actuator that was never driven have shapes of 0, which no rigid motion
+// has. They are not known, so that all is as without them.
+TEST(Suspension, LeavesOutChannelsThatWereNotMeasured) {
+  const auto made = simulators::beam5x5(quiet());
+  const auto geometry = geometry_of(made, RigidMotion::beam);
+  auto fit = true_fit(made);
+  fit.output_std = Eigen::MatrixXd::Constant(5, fit.model.mode_count(), 1e-6);
+  fit.input_std = fit.output_std.transpose();
+  fit.model.output_shapes.row(4).setZero();
+  fit.output_std.row(4).setConstant(std::numeric_limits<double>::infinity());
+  fit.model.input_shapes.col(0).setZero();
+  fit.input_std.col(0).setConstant(std::numeric_limits<double>::infinity());
+  const auto told = suspension(fit, geometry.outputs, geometry.inputs);
+  EXPECT_EQ(told.modes, (Modes{0, 1}));
+  const auto without = part(made, {0, 1, 2, 3}, {1, 2, 3, 4});
+  const auto fewer = geometry_of(without, RigidMotion::beam);
+  EXPECT_NEAR(told.bending, suspension(true_fit(without), fewer.outputs, fewer.inputs).bending,
+              1e-12);
 }
 
 // A stiff suspension: what moves nearly as a whole lies right below what bends.
