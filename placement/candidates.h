@@ -18,14 +18,16 @@ struct Grid {
 /// Allowed places of devices.
 struct Candidates {
   Sites sites;
-  bool is_grid = false;  ///< no device may be beside them
+  bool is_grid = false;          ///< no device may be beside them
+  std::vector<char> faces = {};  ///< per boundary face 1 where a device may be; empty: on all
 };
-/// The points of a surface that no rule forbids.
+/// The points of a surface that no rule forbids, each place once even where patches meet.
 /// @throws InvalidInput  as `admissible`
 [[nodiscard]] Candidates candidates_on(const Surface& surface, const std::vector<Rule>& rules);
-/// The places of a grid on the body that no rule forbids.
-/// @throws InvalidInput  none lies on the body; as `admissible`
+/// The places of a grid on the faces of a surface that no rule forbids: straight below or above
+/// them, the highest where there are several.
+/// @throws InvalidInput  none lies on the surface; as `admissible`
 [[nodiscard]] Candidates candidates_on(const Grid& grid, const Sampler& sampler,
-                                       const std::vector<Rule>& rules);
+                                       const Surface& surface, const std::vector<Rule>& rules);
 
 }  // namespace chladni::placement

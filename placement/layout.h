@@ -64,8 +64,9 @@ struct Samples {
 };
 [[nodiscard]] Samples samples(const LayoutView& view);
 
-/// Per group (g): how strongly all points together see its least visible mode, relative to as many
-/// points of average motion. Below Constants::blind the layout cannot see it.
+/// Per group (g): how strongly all points together see its least visible mode, relative to one
+/// point of average motion. Below Constants::blind the layout cannot see it. A point more takes no
+/// sight away.
 [[nodiscard]] Eigen::VectorXd sight(const LayoutView& view);
 
 /// Places with directions, for the search of pairs: n×3 [m], n×3 (unit).
@@ -74,8 +75,8 @@ struct Lines {
 };
 
 /// Pairs of sensors and actuators that act along one line: parallel, at most `beside` [m] apart
-/// across it and `along` [m] along it (on both faces of a thin body). Each sensor in turn takes the
-/// nearest free actuator.
+/// across it and `along` [m] along it (on both faces of a thin body). The nearest are joined
+/// first, so that the order of the channels does not matter; pairs are listed by their sensors.
 [[nodiscard]] std::vector<std::pair<Eigen::Index, Eigen::Index>> collocated(const Lines& sensors,
                                                                             const Lines& actuators,
                                                                             double beside,

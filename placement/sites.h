@@ -19,10 +19,10 @@ struct Device {
 
 /// n places, m modes.
 struct Sites {
-  Points position;        ///< n×3 [m]
-  Points normal;          ///< n×3, outward, unit
-  Eigen::VectorXi patch;  ///< n, index into TetMesh::patch_names
-  Eigen::VectorXd area;   ///< n [m²]: the area of each point; 1 for single places
+  Points position;          ///< n×3 [m]
+  Points normal;            ///< n×3, outward, unit
+  Eigen::VectorXi patch;    ///< n, index into TetMesh::patch_names
+  Eigen::VectorXd area;     ///< n [m²]: the area of each point; 1 for single places
   Eigen::MatrixXd shapes;   ///< n×m [kg^-1/2], along the device's direction, over its footprint
   Eigen::MatrixXd slopes;   ///< n×m [kg^-1/2 m^-1]: gradient of the shape along the surface
   std::vector<char> whole;  ///< n: 1 where the whole footprint lies on the body
@@ -36,8 +36,32 @@ struct Sites {
 /// A surface as points and the triangles between them, for maps.
 struct Surface {
   Sites sites;  ///< one per node and patch (a node at a sharp edge occurs twice), or one per node
-  Eigen::VectorXi node;  ///< n, of the mesh
-  Cells triangles;       ///< t×3, rows of `sites`, outward
+  Eigen::VectorXi node;          ///< n, of the mesh
+  Cells triangles;               ///< t×3, rows of `sites`, outward
+  std::vector<char> faces = {};  ///< per boundary face of the body: 1 where it is part of this
+};
+
+/// Finds places on some faces of a body, as if it had no others. The body must outlive it.
+class FaceFinder {
+ public:
+  /// @param faces  1 where wanted, per boundary face
+  /// @throws InvalidInput  not one mark per face, or no face is wanted
+  FaceFinder(const mesh::TetMesh& body, const std::vector<char>& faces);
+  FaceFinder(FaceFinder&&) = delete;
+
+  /// The nearest point of these faces; `face` is the row of the whole body.
+  [[nodiscard]] mesh::Site nearest(const Eigen::Vector3d& point) const;
+  /// The highest point of these faces on the vertical line through (x, y), on faces that look up if
+  /// there are some; none where the line misses them.
+  [[nodiscard]] std::optional<mesh::Site> on_line(double x, double y) const;
+
+ private:
+  [[nodiscard]] mesh::Site in_body(mesh::Site site) const;
+
+  std::vector<Eigen::Index> rows_;  // of the body's faces
+  mesh::TetMesh part_;              // points and wanted faces
+  mesh::SiteFinder finder_;
+  double slack_;  // [m]
 };
 
 /// Samples modes at possible places of a device. Mesh and modes must live longer than it.

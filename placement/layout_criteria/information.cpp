@@ -10,11 +10,16 @@
 namespace chladni::placement {
 namespace {
 
-// Empty if there are fewer points than modes.
+// Singular values below it are rounding: the layout does not see this combination of the modes
+// [points of average motion].
+constexpr double kOnlyRounding = 1e-9;
+
+// Empty if there are fewer points than modes; 0 where there is nothing but rounding.
 Eigen::VectorXd singular_values(const LayoutView& view) {
   const Eigen::MatrixXd seen = observed(view);
   if (seen.rows() < seen.cols()) return {};
-  return seen.jacobiSvd().singularValues();
+  const Eigen::VectorXd values = seen.jacobiSvd().singularValues();
+  return (values.array() < kOnlyRounding).select(0.0, values);
 }
 
 double log_determinant_of(const LayoutView& view) {
@@ -47,8 +52,8 @@ double largest_mac(const LayoutView& view) {
       if (seen.rows() < std::max(a.size, b.size)) return kUndefined;
       const Eigen::MatrixXd one = seen.middleCols(a.first, a.size);
       const Eigen::MatrixXd two = seen.middleCols(b.first, b.size);
-      if (one.jacobiSvd().singularValues().minCoeff() < 1e-9 ||
-          two.jacobiSvd().singularValues().minCoeff() < 1e-9) {
+      if (one.jacobiSvd().singularValues().minCoeff() < kOnlyRounding ||
+          two.jacobiSvd().singularValues().minCoeff() < kOnlyRounding) {
         return 1.0;
       }
       largest = std::max(largest, modal::subspace_mac(one, two).maxCoeff());
@@ -62,7 +67,7 @@ double least_independence(const LayoutView& view) {
   const Eigen::MatrixXd seen = observed(view);
   if (seen.rows() < seen.cols()) return kUndefined;
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(seen, Eigen::ComputeThinU);
-  if (svd.singularValues().minCoeff() < 1e-9) return kUndefined;
+  if (svd.singularValues().minCoeff() < kOnlyRounding) return kUndefined;
   return svd.matrixU().rowwise().squaredNorm().minCoeff();
 }
 

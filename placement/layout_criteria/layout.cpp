@@ -85,7 +85,7 @@ Eigen::VectorXd sight(const LayoutView& view) {
   for (Eigen::Index g = 0; g < least.size(); ++g) {
     const auto [first, size] = view.groups[static_cast<std::size_t>(g)];
     const Eigen::MatrixXd block = seen.middleCols(first, size);
-    const Eigen::MatrixXd gram = block.transpose() * block / static_cast<double>(seen.rows());
+    const Eigen::MatrixXd gram = block.transpose() * block;
     const Eigen::VectorXd values =
         Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(gram, Eigen::EigenvaluesOnly).eigenvalues();
     least(g) = std::sqrt(std::max(values(0), 0.0));
@@ -96,11 +96,12 @@ Eigen::VectorXd sight(const LayoutView& view) {
 std::vector<std::pair<Eigen::Index, Eigen::Index>> collocated(const Lines& sensors,
                                                               const Lines& actuators, double beside,
                                                               double along) {
-  std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs;
-  std::vector<char> taken(static_cast<std::size_t>(actuators.position.rows()), 0);
+  struct Near {
+    double apart = 0.0;
+    Eigen::Index sensor = 0, actuator = 0;
+  };
+  std::vector<Near> all;
   for (Eigen::Index s = 0; s < sensors.position.rows(); ++s) {
-    Eigen::Index nearest = -1;
-    double distance = std::hypot(beside, along);
     const Eigen::RowVector3d direction = sensors.direction.row(s);
     for (Eigen::Index a = 0; a < actuators.position.rows(); ++a) {
       const Eigen::RowVector3d apart = sensors.position.row(s) - actuators.position.row(a);
@@ -108,17 +109,18 @@ std::vector<std::pair<Eigen::Index, Eigen::Index>> collocated(const Lines& senso
       const double across = (apart - apart.dot(direction) * direction).norm();
       const bool parallel =
           std::abs(direction.dot(actuators.direction.row(a))) > Constants::parallel;
-      if (taken[static_cast<std::size_t>(a)] != 0 || !parallel || across > beside ||
-          ahead > along || apart.norm() > distance) {
-        continue;
-      }
-      nearest = a;
-      distance = apart.norm();
+      if (parallel && across <= beside && ahead <= along) all.push_back({apart.norm(), s, a});
     }
-    if (nearest < 0) continue;
-    taken[static_cast<std::size_t>(nearest)] = 1;
-    pairs.emplace_back(s, nearest);
   }
+  std::ranges::stable_sort(all, {}, &Near::apart);
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs;
+  for (const auto& near : all) {
+    const bool is_taken = std::ranges::any_of(pairs, [&](const auto& pair) {
+      return pair.first == near.sensor || pair.second == near.actuator;
+    });
+    if (!is_taken) pairs.emplace_back(near.sensor, near.actuator);
+  }
+  std::ranges::sort(pairs);
   return pairs;
 }
 

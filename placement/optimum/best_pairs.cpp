@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "placement/refine.h"
 
@@ -116,12 +117,16 @@ PairPlaces best_pairs(const PairViews& views, const Sites& surface, const Candid
   const auto rows = all_rows(sites.count());
   const auto map = heat_map(*places.criterion, views.at(sites), views.over());
   const double apart = std::max(plan.spacing, 0.05 * diagonal(sites.position));
+  std::optional<FaceFinder> faces;
+  if (sampler != nullptr && !candidates.faces.empty()) {
+    faces.emplace(sampler->body(), candidates.faces);
+  }
   std::vector<BestPair> found;
   for (const auto row : best_sites(map.score, sites.position, rows, apart, 2 * kBestShown)) {
     auto site = part(sites, {row});
     if (sampler != nullptr && !candidates.is_grid) {
       site = refined(*sampler, site, worth_of(views, *places.criterion, rules),
-                     0.5 * grain(surface), 5e-5);
+                     0.5 * grain(surface), 5e-5, faces ? &*faces : nullptr);
     }
     const auto here = heat_map(*places.criterion, views.at(site), views.over());
     found.push_back({site.position.row(0).transpose(), here.score(0), here.limiting(0)});

@@ -22,6 +22,10 @@ namespace {
 
 enum class PointsPer { node, node_and_patch };
 
+// How far from a vertical line a place of a face that does not look up may be found, relative to
+// the body: the search leaves some 1e-8.
+constexpr double kOnLine = 1e-6;
+
 // Number of wanted faces of each patch.
 std::vector<int> face_counts(const mesh::TetMesh& body, const std::vector<char>& wanted) {
   std::vector<int> counts(body.patch_names.size(), 0);
@@ -31,6 +35,12 @@ std::vector<int> face_counts(const mesh::TetMesh& body, const std::vector<char>&
     }
   }
   return counts;
+}
+
+void require_marks(const mesh::TetMesh& body, const std::vector<char>& faces) {
+  require(std::ssize(faces) == body.faces.rows(), "placement: " + fmt::to_string(faces.size()) +
+                                                      " faces are marked, the body has " +
+                                                      fmt::to_string(body.faces.rows()));
 }
 
 using NodeAndPatch = std::pair<int, int>;
@@ -119,7 +129,49 @@ Eigen::Vector3d on_circle(const std::pair<Eigen::Vector3d, Eigen::Vector3d>& alo
   return radius * (std::cos(angle) * along.first + std::sin(angle) * along.second);
 }
 
+std::vector<Eigen::Index> wanted_rows(const mesh::TetMesh& body, const std::vector<char>& faces) {
+  require_marks(body, faces);
+  std::vector<Eigen::Index> rows;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (faces[f] != 0) rows.push_back(static_cast<Eigen::Index>(f));
+  }
+  require(!rows.empty(), "placement: there is no face that devices may be on");
+  return rows;
+}
+
+// A mesh of these faces alone, without cells.
+mesh::TetMesh faces_alone(const mesh::TetMesh& body, const std::vector<Eigen::Index>& rows) {
+  mesh::TetMesh part;
+  part.points = body.points;
+  part.tets.resize(0, body.tets.cols());
+  part.faces = body.faces(rows, Eigen::all);
+  return part;
+}
+
 }  // namespace
+
+FaceFinder::FaceFinder(const mesh::TetMesh& body, const std::vector<char>& faces)
+    : rows_(wanted_rows(body, faces)), part_(faces_alone(body, rows_)), finder_(part_) {
+  const auto box = mesh::bounding_box(body.points);
+  slack_ = kOnLine * (box.row(1) - box.row(0)).norm();
+}
+
+mesh::Site FaceFinder::in_body(mesh::Site site) const {
+  site.face = rows_[static_cast<std::size_t>(site.face)];
+  return site;
+}
+
+mesh::Site FaceFinder::nearest(const Eigen::Vector3d& point) const {
+  return in_body(finder_.nearest(point));
+}
+
+std::optional<mesh::Site> FaceFinder::on_line(double x, double y) const {
+  if (auto site = finder_.from_above(x, y)) return in_body(std::move(*site));
+  // Faces that look down or stand upright.
+  auto site = finder_.beside(x, y);
+  if (site.distance > slack_) return std::nullopt;
+  return in_body(std::move(site));
+}
 
 Sites part(const Sites& sites, const std::vector<Eigen::Index>& rows) {
   Sites chosen;
@@ -192,16 +244,15 @@ void Sampler::see(const Eigen::Vector3d& position, const Eigen::Vector3d& normal
 
 Surface Sampler::surface(const std::vector<std::string>& patches) const {
   Surface surface;
-  lay_out(body_, mesh::faces_of_patches(body_, patches, "placement"), PointsPer::node_and_patch,
-          surface);
+  surface.faces = mesh::faces_of_patches(body_, patches, "placement");
+  lay_out(body_, surface.faces, PointsPer::node_and_patch, surface);
   return sampled(std::move(surface));
 }
 
 Surface Sampler::smooth_surface(const std::vector<char>& faces) const {
-  require(std::ssize(faces) == body_.faces.rows(), "placement: " + fmt::to_string(faces.size()) +
-                                                       " faces are marked, the body has " +
-                                                       fmt::to_string(body_.faces.rows()));
+  require_marks(body_, faces);
   Surface surface;
+  surface.faces = faces;
   lay_out(body_, faces, PointsPer::node, surface);
   return sampled(std::move(surface));
 }

@@ -75,10 +75,10 @@ void leave_picture(const steps::Interpolated& result, Run& run) {
   run.paint("mode_field.png", [&](const auto& png) { io::draw_layouts(png, picture); });
 }
 
-// A grid over the body, seen from above, for a real-time target.
+// A grid over the faces that the interpolation is on, seen from above, for a real-time target.
 void leave_table(const steps::Interpolated& result, const stage::Solution& solution,
                  const study::InterpolationPlan& plan, const Run& run) {
-  const mesh::SiteFinder finder(solution.model.body);
+  const placement::FaceFinder finder(solution.model.body, result.surface.faces);
   const auto box = mesh::bounding_box(result.surface.sites.position);
   std::vector<mesh::Site> sites;
   const Eigen::RowVector3d size = box.row(1) - box.row(0);
@@ -94,7 +94,7 @@ void leave_table(const steps::Interpolated& result, const stage::Solution& solut
           box(0, 0) + 0.5 * (size(0) - steps(0) * plan.table_pitch) + i * plan.table_pitch;
       const double y =
           box(0, 1) + 0.5 * (size(1) - steps(1) * plan.table_pitch) + j * plan.table_pitch;
-      if (const auto site = finder.from_above(x, y)) sites.push_back(*site);
+      if (const auto site = finder.on_line(x, y)) sites.push_back(*site);
     }
   }
   Points directions(static_cast<Eigen::Index>(sites.size()), 3);

@@ -17,7 +17,7 @@ placement::Candidates candidates_of(const study::PlacementPlan& plan,
   if (!plan.grid) return placement::candidates_on(places.surface, places.rules);
   const auto& grid = *plan.grid;
   return placement::candidates_on({grid.pitch, grid.centre, grid.columns, grid.rows}, sampler,
-                                  places.rules);
+                                  places.surface, places.rules);
 }
 
 void require_flexible_mode(const study::Study& study, const modal::Modes& modes) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <string_view>
 
 #include "placement/best_layouts.h"
@@ -85,6 +86,21 @@ TEST(BestPlaces, ASensorInTheMiddleIsBlindForEvenModes) {
   EXPECT_EQ(scorer.of_channels({0}, {}).pairs, 0);
   EXPECT_EQ(scorer.of_channels({0}, {0}).pairs, 1);
   EXPECT_TRUE(scorer.of_sensors(shapes_at(Eigen::VectorXd::Constant(1, 0.21))).blind.empty());
+}
+
+// A hundred sensors on a node line do not make the one beside them blind.
+TEST(BestPlaces, SensorsThatSeeNothingOfAModeTakeNoSightFromOneThatDoes) {
+  Eigen::VectorXd at = Eigen::VectorXd::Constant(121, 0.5 * kLength);
+  at(7) = 0.21;
+  const auto structure = beam(at);
+  const auto sites = points_of_beam(201);
+  std::vector<std::string> notes;
+  const Plan plan;
+  const LayoutScorer scorer(structure, sites, wanted_modes(structure, sites, plan, notes), plan);
+  std::vector<std::size_t> all(121);
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  EXPECT_TRUE(scorer.of_channels({7}, {}).blind.empty());
+  EXPECT_TRUE(scorer.of_channels(all, {}).blind.empty());
 }
 
 double score_called(std::string_view name, const LayoutScore& layout) {

@@ -5,7 +5,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "modal/frf.h"
@@ -148,6 +151,34 @@ TEST(Layout, OnMirrorLinesIsBlindToWhatIsOddAboutThem) {
   EXPECT_GT(sight(some_view()).minCoeff(), Constants::blind);
 }
 
+double value_of(std::string_view name, const LayoutView& view) {
+  return (*std::ranges::find(layout_criteria(), name, [](const auto* one) { return one->name; }))
+      ->value(view);
+}
+
+// Not what rounding leaves of zero.
+TEST(Layout, OfPointsAtOnePlaceTellsNoModesApart) {
+  for (const Eigen::Vector2d& at : {Eigen::Vector2d(0.05, 0.03), Eigen::Vector2d(0.21, -0.13),
+                                    Eigen::Vector2d(-0.28, 0.17), Eigen::Vector2d(0.1, 0.25)}) {
+    const auto view = view_at(std::vector<Eigen::Vector2d>(6, at), {});
+    EXPECT_EQ(value_of("smallest_singular_value", view), 0.0);
+    for (const auto* name : {"determinant", "a_optimality", "condition"}) {
+      EXPECT_FALSE(std::isfinite(value_of(name, view))) << name;
+    }
+  }
+}
+
+TEST(Layout, APointMoreTakesNoSightAway) {
+  std::vector<Eigen::Vector2d> at{{0.2, 0.13}, {-0.1, 0.27}, {0.21, 0.25}, {0.07, -0.15}};
+  Eigen::VectorXd before = sight(view_at(at, {}));
+  for (int k = 0; k < 12; ++k) {
+    at.emplace_back(0.0, 0.02 * k);  // on a mirror line, which half of the modes leave at rest
+    const Eigen::VectorXd now = sight(view_at(at, {}));
+    for (Eigen::Index g = 0; g < now.size(); ++g) EXPECT_GE(now(g), before(g) * (1.0 - 1e-9)) << k;
+    before = now;
+  }
+}
+
 TEST(ExpectedError, FallsWithEverySiteAndIsOneWithout) {
   const auto view = some_view();
   const Eigen::MatrixXd nothing(0, view.surface_all.cols());
@@ -250,6 +281,36 @@ TEST(Collocated, TakesEachActuatorOnceAndTheNearest) {
   const auto pairs = collocated({sensors, up.topRows(2)}, {actuators, up}, 1e-3, 1e-3);
   ASSERT_EQ(pairs.size(), 1U);
   EXPECT_EQ(pairs[0], std::pair(Eigen::Index{0}, Eigen::Index{1}));
+}
+
+// A sensor at the very place of an actuator is its partner, whatever stands first.
+TEST(Collocated, DoNotDependOnTheOrderOfTheChannels) {
+  std::mt19937 random(5);
+  const auto lines = [&](Eigen::Index count) {
+    Lines placed{Points::Zero(count, 3), Points::Zero(count, 3)};
+    for (Eigen::Index i = 0; i < count; ++i) {
+      placed.position(i, 0) =
+          1e-3 * static_cast<double>(random() % 1000) + 1e-6 * static_cast<double>(i);
+    }
+    placed.direction.col(0).setOnes();
+    return placed;
+  };
+  for (int k = 0; k < 100; ++k) {
+    const auto sensors = lines(4);
+    auto actuators = lines(5);
+    actuators.position.row(2) = sensors.position.row(3);
+    actuators.position.col(0).array() += 1e-7 * Eigen::ArrayXd::LinSpaced(5, 0.0, 4.0);  // no ties
+    const auto pairs = collocated(sensors, actuators, 1e-3, 0.2);
+    const auto has = [&](Eigen::Index s, Eigen::Index a) {
+      return std::ranges::find(pairs, std::pair(s, a)) != pairs.end();
+    };
+    EXPECT_TRUE(has(3, 2)) << k;
+    const Lines turned{sensors.position.colwise().reverse(), sensors.direction};
+    auto again = collocated(turned, actuators, 1e-3, 0.2);
+    for (auto& pair : again) pair.first = 3 - pair.first;
+    std::ranges::sort(again);
+    EXPECT_EQ(again, pairs) << k;
+  }
 }
 
 TEST(Collocated, AreOnBothFacesOfAThinBodyButNotBesideEachOther) {

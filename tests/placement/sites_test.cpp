@@ -6,9 +6,14 @@
 
 #include "base/error.h"
 #include "mesh/disc.h"
+#include "mesh/faces.h"
+#include "mesh/facing.h"
+#include "placement/best_pairs.h"
 #include "placement/refine.h"
 #include "placement/rules.h"
+#include "placement/wanted_modes.h"
 #include "tests/placement/plate.h"
+#include "tests/refusal.h"
 
 namespace chladni::placement {
 namespace {
@@ -92,6 +97,113 @@ TEST(Refined, StaysOnItsFaceAtAnEdge) {
   EXPECT_NEAR(best.position(0, 0), 0.3, 1e-5);
   EXPECT_NEAR(best.position(0, 1), 0.033, 1e-3);
   EXPECT_NEAR(best.position(0, 2), 0.0, 1e-12);
+}
+
+// The top's part of x below −0.1 m as a patch of its own, "left".
+Known with_a_left_patch() {
+  Known known;
+  auto& body = known.body;
+  body.patch_names.emplace_back("left");
+  const int top = mesh::patch_number(body, "top", "test");
+  for (Eigen::Index f = 0; f < body.faces.rows(); ++f) {
+    double x = 0.0;
+    for (int corner = 0; corner < 3; ++corner) x += body.points(body.faces(f, corner), 0) / 3.0;
+    if (body.face_patch(f) == top && x < -0.1) {
+      body.face_patch(f) = static_cast<int>(body.patch_names.size()) - 1;
+    }
+  }
+  return known;
+}
+
+TEST(Refined, StaysOnThePatchOfADevice) {
+  const auto known = with_a_left_patch();
+  const Sampler sampler(known.body, known.modes, {Eigen::Vector3d::UnitZ(), 0.0});
+  const auto surface = sampler.surface({"left"});
+  Structure structure;
+  structure.frequency_hz = known.modes.frequency_hz;
+  structure.damping_ratio = known.modes.damping_ratio;
+  structure.mass_kg = 1.0;
+  structure.size = 0.7;
+  Plan plan;
+  plan.modes = {2};  // x - 2 y, largest at the corner of "left", and as large at (0.3, -0.2)
+  std::vector<std::string> notes;
+  const PairViews views(structure, surface.sites,
+                        wanted_modes(structure, surface.sites, plan, notes), plan);
+  const auto best =
+      best_pairs(views, surface.sites, candidates_on(surface, {}), plan, &sampler, {}).best;
+  ASSERT_FALSE(best.empty());
+  for (const auto& pair : best) EXPECT_LT(pair.position.x(), -0.1 + 1e-9);
+  EXPECT_NEAR((best[0].position - Eigen::Vector3d(-0.3, 0.2, 0.0)).norm(), 0.0, 1e-9);
+}
+
+// Nothing of a curved face's border is an edge or the border of a patch.
+TEST(Refined, StaysOnThePartOfASphereThatLooksUp) {
+  auto body = mesh::with_order(mesh::layered(mesh::Plate{0.12, 0.12, 0.01}, 0.01, 1), 2);
+  const double radius = 0.1;
+  for (Eigen::Index i = 0; i < body.node_count(); ++i) {  // down by what a sphere falls
+    const double square = body.points.row(i).head<2>().squaredNorm();
+    body.points(i, 2) -= radius - std::sqrt(radius * radius - square);
+  }
+  modal::Modes modes;
+  modes.frequency_hz = modes.damping_ratio = Eigen::VectorXd::Zero(1);
+  modes.shapes = Eigen::MatrixXd::Ones(3 * body.node_count(), 1);
+  const Sampler sampler(body, modes, {});
+  const auto faces = mesh::facing(body, Eigen::Vector3d::UnitZ()).face;
+  const auto surface = sampler.smooth_surface(faces);
+  const double reach = surface.sites.position.col(0).maxCoeff();
+  ASSERT_LT(reach, 0.052);  // of 0.06: there it falls by 37 degrees
+  const Worth worth = [](const Sites& sites) { return Eigen::VectorXd(sites.position.col(0)); };
+  const FaceFinder finder(body, surface.faces);
+  const auto start = part(surface.sites, {0});
+  EXPECT_LE(refined(sampler, start, worth, 0.02, 1e-5, &finder).position(0, 0), reach + 1e-9);
+  EXPECT_GT(refined(sampler, start, worth, 0.02, 1e-5).position(0, 0), 0.058);
+}
+
+// Two devices do not go to one place of the edge between two patches.
+TEST(CandidatesOn, PatchesThatMeetHaveEachPlaceOnce) {
+  const Known known;
+  const std::vector<std::string> patches{"top", "x_min"};
+  const auto places = [&](const Device& device) {
+    const Sampler sampler(known.body, known.modes, device);
+    return candidates_on(sampler.surface(patches), {}).sites.position;
+  };
+  const auto at = places({Eigen::Vector3d::UnitZ(), 0.0});
+  for (Eigen::Index i = 0; i < at.rows(); ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) EXPECT_GT((at.row(i) - at.row(j)).norm(), 1e-6);
+  }
+  EXPECT_GT(places({}).rows(), at.rows());  // along two normals an edge is seen twice
+}
+
+class GridOf : public ::testing::Test {
+ protected:
+  Known known_ = with_a_left_patch();
+  Sampler sampler_{known_.body, known_.modes, {}};
+
+  Points places_on(const std::vector<std::string>& patches, const Grid& grid) {
+    return candidates_on(grid, sampler_, sampler_.surface(patches), {}).sites.position;
+  }
+};
+
+TEST_F(GridOf, PlacesLieOnTheFacesThatDevicesMayBeOn) {
+  const Grid grid{.pitch = {0.05, 0.1}, .columns = 9, .rows = 3};  // x from -0.2 to 0.2
+  const auto below = places_on({"bottom"}, grid);
+  EXPECT_EQ(below.rows(), 27);
+  EXPECT_LT((below.col(2).array() + 0.02).abs().maxCoeff(), 1e-12);
+  const auto left = places_on({"left"}, grid);
+  EXPECT_EQ(left.rows(), 9);  // with those on its border, at -0.1
+  EXPECT_LT(left.col(0).maxCoeff(), -0.1 + 1e-12);
+  const auto right = places_on({"top"}, grid);
+  EXPECT_EQ(right.rows(), 21);
+  EXPECT_GT(right.col(0).minCoeff(), -0.1 - 1e-12);
+  EXPECT_EQ(places_on({"left", "top"}, grid).rows(), 27);
+  EXPECT_EQ(places_on({"left", "bottom"}, grid).rows(), 27);
+}
+
+TEST_F(GridOf, ThatMissesTheseFacesIsRefused) {
+  const auto refusal = refusal_of([&] {
+    (void)places_on({"x_min"}, {.pitch = {0.05, 0.1}, .columns = 9, .rows = 3});
+  });
+  EXPECT_NE(refusal.find("lies on the faces that devices may be on"), std::string::npos) << refusal;
 }
 
 class RulesOf : public ::testing::Test {
