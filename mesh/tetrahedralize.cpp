@@ -308,6 +308,18 @@ CellCount expected_count(double volume, double area, double edge_length) {
   return {1.6 * faces + 1.22 * core / (0.1179 * edge_length * edge_length * edge_length), faces};
 }
 
+CellCount thin_wall_count(double volume, double thickness, double edge_length, int bonded_sides) {
+  constexpr double thinnest = 7.5;          // edges over thicknesses that leave angles of 8 degrees
+  constexpr double volume_of_cell = 0.3;    // in cubes of the thickness
+  constexpr double cells_beside = 1.3;      // of the other part, per bonded side
+  constexpr double faces_per_cell = 0.645;  // of a wall with two free sides
+  constexpr double faces_per_bonded = 0.18;  // that a bonded side has less
+  if (!(edge_length > thinnest * thickness)) return {0.0, 0.0};
+  const double cells = volume / (volume_of_cell * thickness * thickness * thickness);
+  return {cells * (1.0 + cells_beside * bonded_sides),
+          cells * (faces_per_cell - faces_per_bonded * bonded_sides)};
+}
+
 TetMesh tetrahedralize(const Surface& surface, const MesherOptions& options,
                        const Progress& progress) {
   check_options(options);

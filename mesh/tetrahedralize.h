@@ -40,6 +40,16 @@ struct CellCount {
 };
 [[nodiscard]] CellCount expected_count(double volume, double area, double edge_length);
 
+/// The same of a wall of `volume` [m^3] and `thickness` [m] that is so thin that cells between its
+/// sides would be flatter than MesherOptions::smallest_dihedral_degrees allows: the second attempt
+/// then makes cells as small as the wall is thick, however long the wanted edge is. Fitted to
+/// plates and wafers of a twelfth to an eighth of an edge, within a factor of 1.2. {0, 0} for a
+/// wall of a seventh of an edge and more.
+/// @param bonded_sides  of the wall, 0 to 2: beside these the other part has as small cells, which
+///                      count too
+[[nodiscard]] CellCount thin_wall_count(double volume, double thickness, double edge_length,
+                                        int bonded_sides = 0);
+
 /// Linear tetrahedra of `surface`. The mesh keeps the surface's patches; nodes are sorted in space.
 /// The volume is compared with the surface's, and every cell is checked.
 /// @throws InvalidInput   the surface cannot be meshed (the report's text), or the edge

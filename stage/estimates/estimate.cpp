@@ -47,6 +47,10 @@ std::pair<double, double> plane_constants(const fem::Material& material) {
   return {1.0 / mean, -compliance(0, 1) / mean};
 }
 
+double wafer_volume(const mesh::WaferTable& table) {
+  return 0.25 * kPi * table.wafer_diameter * table.wafer_diameter * table.wafer_thickness;
+}
+
 /// The volume of each region of the shell [m^3].
 Eigen::VectorXd region_volumes(const study::Study& study, const Outline& outline) {
   const auto& shell = outline.shell;
@@ -60,11 +64,8 @@ Eigen::VectorXd region_volumes(const study::Study& study, const Outline& outline
   }
   if (volume.sum() > 0.0) return volume * (outline.volume / volume.sum());  // cells may be curved
   const auto* table = std::get_if<mesh::WaferTable>(&study.geometry.body);
-  volume(0) = outline.volume;
-  if (table != nullptr && table->wafer_diameter > 0.0 && volume.size() > 1) {
-    volume(1) = 0.25 * kPi * table->wafer_diameter * table->wafer_diameter * table->wafer_thickness;
-    volume(0) -= volume(1);
-  }
+  if (table != nullptr && volume.size() > 1) volume(1) = wafer_volume(*table);
+  volume(0) = outline.volume - volume.sum();
   return volume;
 }
 
@@ -165,6 +166,18 @@ std::string in_digits(double value, int least) {
   auto text = fmt::format("{:.{}f}", value, decimals);
   for (; decimals > least && text.back() == '0'; --decimals) text.pop_back();
   return text;
+}
+
+/// Cells of the mesher. The body as a whole, or its wafer, may be too thin for the edge length.
+mesh::CellCount cell_count(const study::Study& study, const Outline& outline, double edge) {
+  const double area = mesh::area(outline.surface->points, outline.surface->triangles);
+  auto count = mesh::expected_count(outline.volume, area, edge);
+  const auto whole = mesh::thin_wall_count(outline.volume, 2.0 * outline.volume / area, edge);
+  if (whole.tets > count.tets) count = whole;
+  const auto* table = std::get_if<mesh::WaferTable>(&study.geometry.body);
+  if (table == nullptr || !(table->wafer_diameter > 0.0)) return count;
+  const auto wafer = mesh::thin_wall_count(wafer_volume(*table), table->wafer_thickness, edge, 1);
+  return {count.tets + wafer.tets, count.faces + wafer.faces};
 }
 
 /// Nodes by Euler's formula.
@@ -294,8 +307,7 @@ Cost forecast(const study::Study& study, const Outline& outline) {
   }
   const double edge =
       study.mesh.edge_length > 0.0 ? study.mesh.edge_length : default_edge_length(*outline.surface);
-  const double area = mesh::area(outline.surface->points, outline.surface->triangles);
-  const auto count = mesh::expected_count(outline.volume, area, edge);
+  const auto count = cell_count(study, outline, edge);
   const int order = order_for(study, static_cast<Eigen::Index>(count.tets), 0);
   return cost_of({node_count(count, order), count.tets, order, false}, modes,
                  study.modes.mirrors.size());

@@ -22,7 +22,10 @@ struct Understood {
 
 /// Formulas for free bodies: a rectangular plate by its first twist (Leissa 1973: 13.49 for a
 /// square) or bending, a beam by Euler and Bernoulli (22.373), a disc by its (2, 0) mode (Leissa
-/// 1969: 5.253); any other body as the plate of its length, width and volume.
+/// 1969: 5.253), a ring by a mean of that of the disc and that of a slender ring (Love 1944, 293),
+/// out of its plane or in it; any other body as the plate of its length, width and volume. All are
+/// of thin bodies, without shear: too high by up to a fifth where the height is a fifth of the
+/// diameter.
 [[nodiscard]] Understood understood(const study::Study& study, const Outline& outline);
 
 struct Cost {

@@ -88,6 +88,24 @@ TEST_F(Before, MoreModesCostMore) {
   EXPECT_GT(much.seconds, little.seconds);
 }
 
+// The wafer and the table beside it have cells as small as the wafer is thick: 25 times those of
+// the table alone. `modes` began to mesh what it then refused.
+TEST_F(Before, AThinWaferOnATableIsInTheForecast) {
+  const study::Study table = study_of(
+      "geometry = { wafer_table = { length = \"60 mm\", width = \"60 mm\", height = \"8 mm\", "
+      "wafer = { diameter = \"40 mm\", thickness = \"0.8 mm\" } } }" +
+      kAluminium + "mesh = { edge_length = \"8 mm\" }\n");
+  QuietRun quiet(table, folder_.path() / "out");
+  const auto outline = stage::outline_of(table);
+  const auto told = stage::forecast(table, outline);
+  const auto body = stage::body_of(table, outline, quiet.run());
+  const auto known = stage::forecast(table, body, stage::understood(table, outline));
+  EXPECT_FALSE(told.exact);
+  EXPECT_EQ(told.order, known.order);
+  EXPECT_NEAR(told.degrees_of_freedom / known.degrees_of_freedom, 1.0, 0.25);
+  EXPECT_NEAR(told.memory_bytes / known.memory_bytes, 1.0, 0.25);
+}
+
 // A guess may be a third off, a mesh that is there is believed.
 TEST_F(Before, WhatIsKnownIsRefusedSooner) {
   stage::Cost cost;

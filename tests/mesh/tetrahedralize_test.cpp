@@ -233,6 +233,18 @@ TEST_F(Tetrahedralize, ExpectsTheCellsThatItMakes) {
   EXPECT_NEAR(count.faces / static_cast<double>(mesh.faces.rows()), 1.0, 0.3);
 }
 
+// Of a tenth of an edge the wall has 38 times the cells that its volume and area let expect.
+TEST_F(Tetrahedralize, MeshesAThinWallByCellsAsSmallAsItIsThick) {
+  MesherOptions options;
+  options.edge_length = 0.01;
+  const Surface plate = surface(Plate{0.04, 0.04, 0.001});
+  const auto count = thin_wall_count(0.04 * 0.04 * 0.001, 0.001, options.edge_length);
+  const TetMesh mesh = tetrahedralize(plate, options);
+  EXPECT_NEAR(count.tets / static_cast<double>(mesh.tet_count()), 1.0, 0.2);
+  EXPECT_NEAR(count.faces / static_cast<double>(mesh.faces.rows()), 1.0, 0.2);
+  EXPECT_EQ(thin_wall_count(1.0, 0.2, 1.0).tets, 0.0);
+}
+
 TEST_F(Tetrahedralize, SaysThatTheMesherRanOutOfMemory) {
   MesherOptions options;
   options.edge_length = 0.02;
