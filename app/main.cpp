@@ -265,7 +265,7 @@ void add_sweep_verbs(CLI::App& cli, app::SweepCommand& sweep, show::Talk& talk, 
     talk.clear_progress();
     return code;
   };
-  const auto joined = [&] { return app::gather(sweep, std::cout); };
+  const auto joined = [&] { return app::gather(sweep, std::cout, std::cerr); };
   run->callback([&, all] { status = guarded(talk, all, {.json = sweep.json}); });
   gather->callback([&, joined] { status = guarded(talk, joined, {.json = sweep.json}); });
 }

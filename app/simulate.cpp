@@ -42,6 +42,18 @@ fs::path target_of(const study::Study& study, show::Run& run) {
   return file;
 }
 
+// Refuses names that a table cannot hold before anything is solved.
+void refuse_names(const study::Study& study, const fs::path& file) {
+  if (study.experiment->leaves_time || file.extension() != ".csv") return;
+  if (study.sensors.empty() || study.actuators.empty()) return;
+  modal::FrfSet set;
+  for (const auto& sensor : study.sensors) set.outputs.emplace_back().name = sensor.name;
+  for (const auto& actuator : study.actuators) set.inputs.emplace_back().name = actuator.name;
+  set.frequency_hz = Eigen::VectorXd::Ones(1);
+  set.value.assign(1, Eigen::MatrixXcd::Zero(set.output_count(), set.input_count()));
+  static_cast<void>(io::frf_csv(set));
+}
+
 void refuse_too_much(const study::Study& study) {
   const auto& plan = *study.experiment;
   const double numbers = static_cast<double>(study.actuators.size()) * plan.realisations *
@@ -109,6 +121,7 @@ void run_simulate(const study::Study& study, show::Run& run) {
   require(study.experiment.has_value(),
           "the study has no [experiment]; expected one, such as [experiment] noise = \"2 nm\"");
   const auto file = target_of(study, run);
+  refuse_names(study, file);
   refuse_too_much(study);
   const steps::Bench bench = steps::bench_of(study, run);
   const steps::Simulated found =

@@ -169,9 +169,12 @@ void run_all(const SweepCommand& command, const sweep::Sweep& sweep,
   });
 }
 
-void leave_gathered(const SweepCommand& command, const sweep::Sweep& sweep, std::ostream& results) {
+void leave_gathered(const SweepCommand& command, const sweep::Sweep& sweep, std::ostream& results,
+                    std::ostream& said) {
   const auto all = sweep::gathered(sweep);
-  sweep::leave(sweep, all, folder_of(command), command.pictures);
+  for (const auto& picture : sweep::leave(sweep, all, folder_of(command), command.pictures)) {
+    said << "warning: " << picture << "; everything else is there\n";
+  }
   if (command.json) {
     results << io::text(sweep::json(sweep, all));
   } else {
@@ -211,12 +214,12 @@ int sweep(const SweepCommand& command, std::ostream& results, std::ostream& said
     if (command.json) results << io::text(sweep::json(sweep, list));
     return tally.exit_code();
   }
-  leave_gathered(command, sweep, results);
+  leave_gathered(command, sweep, results, said);
   return tally.exit_code();
 }
 
-int gather(const SweepCommand& command, std::ostream& results) {
-  leave_gathered(command, {study::read_sweep(command.plan), options_of(command)}, results);
+int gather(const SweepCommand& command, std::ostream& results, std::ostream& said) {
+  leave_gathered(command, {study::read_sweep(command.plan), options_of(command)}, results, said);
   return kDone;
 }
 

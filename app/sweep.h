@@ -27,6 +27,7 @@ struct SweepCommand {
 [[nodiscard]] int sweep(const SweepCommand& command, std::ostream& results, std::ostream& said,
                         const Progress& progress);
 /// Joins what there is.
-[[nodiscard]] int gather(const SweepCommand& command, std::ostream& results);
+/// @param said  warnings
+[[nodiscard]] int gather(const SweepCommand& command, std::ostream& results, std::ostream& said);
 
 }  // namespace chladni::app

@@ -6,10 +6,13 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 
 #include "base/error.h"
+#include "base/quantity.h"
 #include "io/frf_file.h"
 #include "io/time_file.h"
 #include "python/frf_arrays.h"
@@ -41,11 +44,37 @@ modal::FrfKind kind_called(const std::string& quantity) {
                      "\" is not known; expected displacement, velocity or acceleration");
 }
 
+// How many `si` one `unit` is; none: it is of another kind.
+std::optional<double> factor_of(const std::string& unit, const char* si) {
+  try {
+    return unit_factor(unit, si);
+  } catch (const InvalidInput&) {
+    return std::nullopt;
+  }
+}
+
+// Arrays beside a unit of motion or force are in SI, and all that is done with them counts on it.
+void require_si(const std::string& unit, modal::FrfKind kind) {
+  constexpr const char* all[] = {"m", "m/s", "m/s^2", "N"};
+  require(unit != "g",
+          "the unit \"g\" is not SI; give values in m/s^2, and quantity=\"acceleration\"");
+  for (std::size_t k = 0; k < std::size(all) && !unit.empty(); ++k) {
+    const auto factor = factor_of(unit, all[k]);
+    if (!factor) continue;
+    require(std::abs(*factor - 1.0) < 1e-12,
+            fmt::format("the unit \"{}\" is not SI; give values in {}", unit, all[k]));
+    require(k == 3 || k == static_cast<std::size_t>(kind),
+            fmt::format("the unit \"{}\" is none of a {}; expected quantity=\"{}\"", unit,
+                        quantity_of(kind), kQuantities[k % 3]));
+  }
+}
+
 MeasuredChannel channel_with(const std::string& name, const std::string& quantity,
                              const std::string& unit,
                              const std::optional<Eigen::Vector3d>& position,
                              const std::optional<Eigen::Vector3d>& direction,
                              std::optional<long long> node) {
+  require_si(unit, kind_called(quantity));
   return {.name = name,
           .node = node,
           .direction = direction.value_or(Eigen::Vector3d::Zero()),

@@ -55,10 +55,12 @@ py::object gather(const std::filesystem::path& plan,
                   bool pictures) {
   const auto command = command_of(plan, folder, allowed, pictures);
   TextWriter results;
+  TextWriter said;
   {
     const LongCall call;
-    static_cast<void>(app::gather(command, results));
+    static_cast<void>(app::gather(command, results, said));
   }
+  warn_python(lines_of(said.str()));
   return python_of(io::parse_json(results.str()));
 }
 

@@ -41,7 +41,8 @@ struct Gathered {
 [[nodiscard]] std::string csv(const Sweep& sweep, const Gathered& gathered);
 /// sweep.json, table.csv and, with `pictures`, sweep.png: each result over each axis of numbers,
 /// and the first two results that are compared, with the front.
-void leave(const Sweep& sweep, const Gathered& gathered, const std::filesystem::path& folder,
-           bool pictures);
+/// @return the pictures that the painter could not paint, each with the reason; all else is there
+std::vector<std::string> leave(const Sweep& sweep, const Gathered& gathered,
+                               const std::filesystem::path& folder, bool pictures);
 
 }  // namespace chladni::sweep

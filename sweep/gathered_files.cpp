@@ -6,12 +6,16 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "host/atomic_file.h"
 #include "io/plot.h"
 #include "io/result_table.h"
+#include "io/scan.h"
 #include "show/version.h"
 #include "sweep/gathered.h"
 
@@ -99,11 +103,19 @@ std::vector<const GatheredRow*> front_of(const Gathered& gathered) {
   return front;
 }
 
-std::optional<double> leading_number(const std::string& label) {
+struct NumberInUnit {
   double value = 0.0;
-  const auto [end, fault] = std::from_chars(label.data(), label.data() + label.size(), value);
+  std::string unit;
+};
+
+// "20 mm" and "20mm" are 20 of mm.
+std::optional<NumberInUnit> leading_number(const std::string& label) {
+  NumberInUnit number;
+  const char* stop = label.data() + label.size();
+  const auto [end, fault] = std::from_chars(label.data(), stop, number.value);
   if (fault != std::errc() || end == label.data()) return std::nullopt;
-  return value;
+  number.unit = io::trimmed({end, stop});
+  return number;
 }
 
 // The numbers of an axis, and its unit; empty if not all points are numbers of one unit.
@@ -113,10 +125,9 @@ Eigen::VectorXd numbers_of(const Gathered& gathered, std::size_t axis, std::stri
     const auto& label = gathered.rows[static_cast<std::size_t>(i)].entry.labels[axis];
     const auto number = leading_number(label);
     if (!number) return {};
-    const auto own = label.substr(std::min(label.size(), label.find_first_of(" %")));
-    if (i > 0 && own != unit) return {};
-    unit = own;
-    x(i) = *number;
+    if (i > 0 && number->unit != unit) return {};
+    unit = number->unit;
+    x(i) = number->value;
   }
   return x;
 }
@@ -170,8 +181,7 @@ io::Plot responses(const Sweep& sweep, const Gathered& gathered) {
   for (std::size_t a = 0; a < plan.axes.size(); ++a) {
     std::string unit;
     const auto x = numbers_of(gathered, a, unit);
-    const auto begin = std::min(unit.size(), unit.find_first_not_of(' '));
-    const auto bracket = unit.empty() ? "" : " [" + unit.substr(begin) + "]";
+    const auto bracket = unit.empty() ? "" : " [" + unit + "]";
     if (x.size() > 0) axes.emplace_back(plan.axes[a].name + bracket, x);
   }
   plot.columns = static_cast<int>(axes.size());
@@ -298,17 +308,26 @@ std::string csv(const Sweep& sweep, const Gathered& gathered) {
   return out;
 }
 
-void leave(const Sweep& sweep, const Gathered& gathered, const std::filesystem::path& folder,
-           bool pictures) {
+std::vector<std::string> leave(const Sweep& sweep, const Gathered& gathered,
+                               const std::filesystem::path& folder, bool pictures) {
   std::filesystem::create_directories(folder);
   io::write_json(folder / "sweep.json", json(sweep, gathered));
   write_atomically(folder / "table.csv", csv(sweep, gathered));
-  if (!pictures || gathered.done == 0) return;
+  if (!pictures || gathered.done == 0) return {};
+  std::vector<std::string> unpainted;
   const std::pair<const char*, io::Plot> all[] = {{"sweep.png", responses(sweep, gathered)},
                                                   {"front.png", front_picture(sweep, gathered)}};
   for (const auto& [name, plot] : all) {
-    if (!plot.panels.empty()) io::draw_plot(folder / name, plot);
+    if (plot.panels.empty()) continue;
+    try {
+      io::draw_plot(folder / name, plot);
+    } catch (const WorkerDied& fault) {
+      std::error_code ignored;
+      std::filesystem::remove(folder / name, ignored);  // that of an earlier gathering
+      unpainted.push_back(fmt::format("{} is not painted: {}", name, fault.what()));
+    }
   }
+  return unpainted;
 }
 
 }  // namespace chladni::sweep

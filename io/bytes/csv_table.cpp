@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "io/bytes/escape.h"
 #include "io/measured/measurable.h"
 #include "io/scan.h"
 
@@ -74,7 +75,7 @@ bool is_idle(std::string_view line) {
 void read_header(std::string_view line, char separator, int number, CsvTable& table) {
   table.header_line = number;
   try {
-    table.names = csv_fields(line, separator);
+    table.names = csv_fields(utf8_of(line), separator);
   } catch (const InvalidInput& e) {
     fail(table.file, number, e.what());
   }

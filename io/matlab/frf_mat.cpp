@@ -103,6 +103,7 @@ class Reader {
     read_beside({"variance", "var"}, *response, layout, file_.set.variance);
     read_beside({"noise_variance", "noisevar"}, *response, layout, file_.set.noise_variance);
     read_beside({"coherence", "coh"}, *response, layout, file_.set.coherence);
+    for (auto& line : file_.set.coherence) line = line.unaryExpr(&rounded_coherence);
     const auto averages = mat_numbers(mat_value(fields_, {"averages"}), "averages");
     if (averages.size() == 1) file_.set.averages = averages(0);
     note_delays();

@@ -99,6 +99,9 @@ class RecordReader {
                                                       fmt::to_string(records_) + " records");
       count = numbers.size() / each;
       require_channels(count, std::string(kSide[side]) + "s");
+      require(count <= samples_,
+              fmt::format("{} is {}: {} channels of {} samples; expected samples x channels",
+                          kVariable[side], mat_size(*value), count, samples_));
     }
     for (Index r = 0; r < records_; ++r) {
       auto& part = data_.records[static_cast<std::size_t>(r)].*kParts[side];

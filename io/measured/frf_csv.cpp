@@ -13,6 +13,7 @@
 #include "io/frf_file.h"
 #include "io/measured/channel_names.h"
 #include "io/measured/frf_units.h"
+#include "io/measured/measurable.h"
 #include "io/scan.h"
 
 namespace chladni::io {
@@ -247,7 +248,9 @@ void fill(std::vector<Eigen::MatrixXd>& of, const Layout& layout, Part part, con
     const Index column = layout.columns[r].at[part];
     if (column < 0) continue;
     for (Index k = 0; k < table.values.rows(); ++k) {
-      of[static_cast<std::size_t>(k)](places[r].first, places[r].second) = table.values(k, column);
+      const double number = table.values(k, column);
+      of[static_cast<std::size_t>(k)](places[r].first, places[r].second) =
+          part == kCoherence ? rounded_coherence(number) : number;
     }
   }
 }

@@ -181,6 +181,12 @@ void state_units(FrfFile& file, bool kind_known, const FrfOptions& options) {
   for (auto& input : file.set.inputs) {
     if (input.unit.empty()) input.unit = unit.input_si;
   }
+  for (const auto& input : file.set.inputs) {
+    const auto motion = motion_unit(input.unit);
+    require(!motion || motion->kind == modal::FrfKind::receptance,
+            "the input " + input.name + " is in \"" + input.unit +
+                "\", a unit of motions; expected responses to forces, no transmissibilities");
+  }
   const auto& outputs = file.set.outputs;
   const auto nameless = std::find_if(outputs.begin(), outputs.end(),
                                      [](const auto& output) { return output.unit.empty(); });

@@ -21,8 +21,8 @@ struct MotionUnit {
 [[nodiscard]] std::optional<MotionUnit> motion_unit(std::string_view word);
 
 /// As `motion_unit`, of a word by which the user states what a file does not: also in brackets,
-/// "[mm]". A unit of another kind of sensor ("V", "Pa") is kept with the factor 1, and so is "", also
-/// for kEachInSi.
+/// "[mm]". A unit of another kind of sensor ("V", "Pa") is kept with the factor 1, and so is "".
+/// kEachInSi stands without brackets and gives "", too.
 /// @throws InvalidInput  the word is no unit of what sensors give
 [[nodiscard]] MotionUnit stated_unit(std::string_view word);
 

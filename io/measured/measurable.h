@@ -15,6 +15,14 @@ inline constexpr double kLargestMeasured = 1e100;
   return std::isnan(number) || std::abs(number) <= kLargestMeasured;
 }
 
+/// A coherence of single precision, or of six digits, may be 1.000001 or −1e-7: then it is 1 or 0.
+/// Others stay as they are.
+[[nodiscard]] inline double rounded_coherence(double coherence) {
+  constexpr double kRounding = 1e-5;
+  if (coherence > 1.0 && coherence <= 1.0 + kRounding) return 1.0;
+  return coherence < 0.0 && coherence >= -kRounding ? 0.0 : coherence;
+}
+
 /// A message for a refused number: "found 1e+200, expected a number below 1e+100 in size".
 [[nodiscard]] std::string not_measurable(double number);
 

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "host/atomic_file.h"
 #include "io/bytes/csv_table.h"
+#include "io/bytes/escape.h"
 #include "io/bytes/room.h"
 #include "io/csv.h"
 #include "io/measured/measurable.h"
@@ -32,7 +33,7 @@ struct Line {
 
 std::vector<std::string> fields_of(std::string_view line, const std::string& name, int number) {
   try {
-    return csv_fields(line);
+    return csv_fields(utf8_of(line));
   } catch (const InvalidInput& e) {
     fail(name, number, e.what());
   }

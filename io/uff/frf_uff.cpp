@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
 #include <set>
+#include <tuple>
 
 #include "base/error.h"
 #include "base/quantity.h"
 #include "io/measured/frf_units.h"
+#include "io/measured/measurable.h"
 #include "io/scan.h"
 #include "io/uff/uff_channels.h"
 #include "io/uff/uff_systems.h"
@@ -30,14 +31,21 @@ bool is_response(const UffFunction& function) {
   return function.type == 0 && function.is_complex && function.abscissa.type == 18;
 }
 
+// Whether it is a motion over a motion, a force over a motion or a force over a force. What stands
+// beside the values counts more than the type of the data.
+bool is_of_another_ratio(const UffFunction& function) {
+  const auto& [above, over] = std::tie(function.ordinate, function.denominator);
+  return (!is_load(over) && is_motion(over) && !force_unit(over.unit)) ||
+         (is_load(above) && !has_unit_of_motion(above));
+}
+
 std::string place(const UffFunction& function) {
   return "line " + fmt::to_string(function.line) + " (" + name_of(function.response) + " over " +
          name_of(function.reference) + ")";
 }
 
 Eigen::VectorXd hertz_of(const UffFunction& function) {
-  const bool per_second = upper(function.abscissa.unit).find("RAD") != std::string::npos;
-  return per_second ? Eigen::VectorXd(function.x / (2.0 * std::numbers::pi)) : function.x;
+  return abscissa_factor(function.abscissa, "Hz").value_or(1.0) * function.x;
 }
 
 // Whether the lines are equal to six digits. Two programs may round the same line differently.
@@ -83,7 +91,9 @@ class Collector {
     std::map<int, int> others;
     for (const auto& function : uff_.functions) {
       if (function.binary) file_.format = "UFF 58b";
-      if (is_response(function)) {
+      if (is_response(function) && is_of_another_ratio(function)) {
+        ratios_.push_back(&function);
+      } else if (is_response(function)) {
         responses_.push_back(
             {&function,
              outputs_.number(function.response,
@@ -96,11 +106,22 @@ class Collector {
         ++others[function.type];
       }
     }
+    note_ratios();
     for (const auto& [type, count] : others) {
       file_.notes.push_back(fmt::to_string(count) + (count == 1 ? " function" : " functions") +
                             " of type " + fmt::to_string(type) + ": not frequency responses" +
                             (type == 4 ? " with a phase" : "") + ", not read");
     }
+  }
+
+  void note_ratios() {
+    if (ratios_.empty()) return;
+    const auto text = fmt::format(
+        "{} function{} of no motion over a force (transmissibility, dynamic stiffness, apparent "
+        "mass), such as {}",
+        ratios_.size(), ratios_.size() == 1 ? " is" : "s are", place(*ratios_.front()));
+    if (responses_.empty()) fail(text);
+    file_.notes.push_back(text + ": not read");
   }
 
   void require_equal_lines() const {
@@ -167,6 +188,9 @@ class Collector {
       known = output;
       kinds_known_ = kinds_known_ && output.kind;
       for (const auto& note : {output.note, input.note}) add_note(note);
+      if (!abscissa_factor(function->abscissa, "Hz")) {
+        add_note(unknown_abscissa(function->abscissa, "Hz"));
+      }
       state_unit(file_.set.outputs[static_cast<std::size_t>(i)], output);
       state_unit(file_.set.inputs[static_cast<std::size_t>(j)], input);
       for (Index k = 0; k < file_.set.line_count(); ++k) {
@@ -185,12 +209,19 @@ class Collector {
     }
   }
 
+  void repeated_coherence(const UffFunction& first, const UffFunction& second) {
+    if (first.y == second.y) return;
+    add_note("two coherences of one pair that differ, " + place(first) + " and " + place(second) +
+             ": the first is taken");
+  }
+
   void add_note(const std::string& note) {
     if (!note.empty() && noted_.insert(note).second) file_.notes.push_back(note);
   }
 
   void add_coherence() {
     std::size_t lost = 0;
+    std::map<std::pair<Index, Index>, const UffFunction*> seen;
     for (const auto* function : coherences_) {
       const auto match = std::find_if(responses_.begin(), responses_.end(), [&](const Placed& r) {
         const auto same = [](const UffDof& a, const UffDof& b) {
@@ -203,10 +234,15 @@ class Collector {
         ++lost;
         continue;
       }
+      const auto [first, is_new] = seen.emplace(std::pair(match->output, match->input), function);
+      if (!is_new) {
+        repeated_coherence(*first->second, *function);
+        continue;
+      }
       if (file_.set.coherence.empty()) file_.set.coherence = empty_lines(kNan);
       for (Index k = 0; k < file_.set.line_count(); ++k) {
         file_.set.coherence[static_cast<std::size_t>(k)](match->output, match->input) =
-            function->y(k).real();
+            rounded_coherence(function->y(k).real());
       }
     }
     if (lost > 0) {
@@ -235,7 +271,7 @@ class Collector {
   FrfFile file_;
   UffChannels outputs_, inputs_;
   std::vector<Placed> responses_;
-  std::vector<const UffFunction*> coherences_;
+  std::vector<const UffFunction*> coherences_, ratios_;
   std::set<std::string> noted_;
   bool kinds_known_ = true;
 };

@@ -10,6 +10,7 @@
 #include "io/measured/measured_format.h"
 #include "io/uff/uff.h"
 #include "io/uff/uff_channels.h"
+#include "io/uff/uff_systems.h"
 
 namespace chladni::io {
 namespace {
@@ -22,10 +23,20 @@ bool is_mode(const UffShape& shape) {
   return std::ranges::find(kModal, shape.analysis) != kModal.end() && shape.values.cols() >= 3;
 }
 
+// Whether the axes of a node are those of the global frame, by whatever number.
+bool are_global(const UffFrames& frames, long long node) {
+  try {
+    return frames.axes(node).isIdentity(1e-9);
+  } catch (const InvalidInput&) {
+    return false;
+  }
+}
+
 void refuse_own_systems(const Uff& uff, const UffShape& shape, const std::string& name) {
+  const UffFrames frames(uff);
   for (const auto node : shape.nodes) {
     const auto found = uff.node_systems.find(node);
-    if (found == uff.node_systems.end() || found->second.displacement == 0) continue;
+    if (found == uff.node_systems.end() || are_global(frames, node)) continue;
     throw InvalidInput(name + ": line " + fmt::to_string(shape.line) +
                        ": the displacements of node " + fmt::to_string(node) +
                        " have the coordinate system " + fmt::to_string(found->second.displacement) +

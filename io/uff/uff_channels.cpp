@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "base/error.h"
@@ -13,6 +14,8 @@
 
 namespace chladni::io {
 namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;  // [rad]
 
 std::string lower(std::string word) {
   for (char& c : word) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -114,9 +117,6 @@ std::optional<double> moment_of_label(const std::string& stated) {
   return factor_of(label, "N m");
 }
 
-// A reaction or an excitation.
-bool is_load(const UffAxis& axis) { return axis.type == 9 || axis.type == 13; }
-
 // The scale of a moment. Many programs state a unit of force for all channels of a file.
 UffScale moment_scale(const UffAxis& axis, const std::optional<UffUnits>& units) {
   UffScale scale;
@@ -191,8 +191,12 @@ UffScale motion_scale(const UffFunction& function) {
     return rotation_scale(axis, scale.kind ? *scale.kind : *label->kind);
   }
   if (!scale.kind) scale.kind = kind_of(axis.label);
-  const bool is_label = label && (!scale.kind || label->kind == scale.kind);
-  if (is_label) {
+  if (label && scale.kind && label->kind != scale.kind) {
+    scale.note = "the unit " + shown(axis.unit) + " is none of what " +
+                 (kind_of(axis.type) ? "the type of the data" : "the label") +
+                 " says: the unit beside the values is taken";
+  }
+  if (label) {
     scale.factor = label->factor;
     scale.unit = label->si;
     scale.kind = label->kind;
@@ -200,10 +204,10 @@ UffScale motion_scale(const UffFunction& function) {
     scale.unit = axis.unit;  // another unit such as volts stays as it is
   }
   if (!units || !kind_of(axis.type)) return scale;
-  if (!is_label) {
+  if (!label) {
     scale.factor = units->length;
     scale.unit = si_of(*scale.kind);
-  } else if (std::abs(scale.factor / units->length - 1.0) > 1e-3) {
+  } else if (scale.note.empty() && std::abs(scale.factor / units->length - 1.0) > 1e-3) {
     scale.note = "the unit " + shown(axis.unit) + " is not that of dataset 164 (" +
                  fmt::format("{:.6g}", units->length) + " m): the unit beside the values is taken";
   }
@@ -227,6 +231,36 @@ UffScale force_scale(const UffDof& dof, const UffAxis& axis, const std::optional
     scale.unit = axis.unit;
   }
   return scale;
+}
+
+bool is_load(const UffAxis& axis) { return axis.type == 9 || axis.type == 13; }
+
+bool is_motion(const UffAxis& axis) {
+  if (axis.type != 0) return kind_of(axis.type).has_value();
+  const auto unit = motion_unit(axis.unit);
+  return kind_of(axis.label) || (unit && unit->kind != modal::FrfKind::receptance);
+}
+
+bool has_unit_of_motion(const UffAxis& axis) { return motion_of_label(axis.unit).has_value(); }
+
+std::optional<double> abscissa_factor(const UffAxis& axis, const std::string& si) {
+  const std::string label(trimmed(without_brackets(axis.unit)));
+  if (label.empty()) return 1.0;
+  std::string word = label;
+  if (upper(label).ends_with("HZ")) word.replace(word.size() - 2, 2, "Hz");
+  if (upper(word) == "KHZ") word = "kHz";
+  for (const auto& spelled : {word, lower(label)}) {
+    if (const auto factor = factor_of(spelled, si)) return factor;
+    if (si != "Hz") continue;
+    if (const auto angular = factor_of(spelled, "rad/s")) return *angular / kTurn;
+  }
+  return si == "Hz" && upper(label).find("RAD") != std::string::npos ? std::optional(1.0 / kTurn)
+                                                                     : std::nullopt;
+}
+
+std::string unknown_abscissa(const UffAxis& axis, const std::string& si) {
+  return "the unit " + shown(axis.unit) + " of the abscissa is not known: values are taken as " +
+         si;
 }
 
 UffDof dof_of(const modal::MeasuredChannel& channel, long long otherwise) {

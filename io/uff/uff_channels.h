@@ -50,6 +50,19 @@ struct UffScale {
 [[nodiscard]] UffScale force_scale(const UffDof& dof, const UffAxis& axis,
                                    const std::optional<UffUnits>& units);
 
+/// Whether the type of the data is that of a reaction or an excitation.
+[[nodiscard]] bool is_load(const UffAxis& axis);
+/// Whether the type of the data is that of a motion; where it is left open, whether the label says
+/// so, or a unit of velocities or accelerations.
+[[nodiscard]] bool is_motion(const UffAxis& axis);
+/// Whether the label beside the values is a unit of a motion, also over that of a force.
+[[nodiscard]] bool has_unit_of_motion(const UffAxis& axis);
+/// How many Hz or s (`si`) 1 of the abscissa is: "kHz", "rad/s", "RPM", "ms". 1 where no unit is
+/// stated. None: the unit is of another kind, or not known.
+[[nodiscard]] std::optional<double> abscissa_factor(const UffAxis& axis, const std::string& si);
+/// "the unit 'orders' of the abscissa is not known: values are taken as Hz"
+[[nodiscard]] std::string unknown_abscissa(const UffAxis& axis, const std::string& si);
+
 /// The channel as a degree of freedom, at its node or else at node `otherwise`.
 [[nodiscard]] UffDof dof_of(const modal::MeasuredChannel& channel, long long otherwise);
 using UffSides = std::vector<const std::vector<modal::MeasuredChannel>*>;

@@ -29,6 +29,12 @@ std::string word_of(std::string_view field) {
   return upper(word) == "NONE" ? std::string() : utf8_of(word);
 }
 
+// The letters of 80 columns. In Latin-1 each byte is a letter; a letter of UTF-8 is kept whole.
+std::string letters_of_line(std::string_view line) {
+  const bool is_utf8 = valid_utf8(line) == line;
+  return utf8_of(is_utf8 ? whole_letters(line, 80) : line.substr(0, 80));
+}
+
 int direction_of(const UffLines& lines, std::string_view word) {
   const auto direction = uff_integer(lines, word, "direction");
   if (direction >= -6 && direction <= 6) return static_cast<int>(direction);
@@ -252,7 +258,7 @@ UffFunction uff_function(UffLines& lines, std::string_view head, std::vector<std
   function.binary = upper(head).find('B') != std::string::npos;
   for (auto& id : function.id) {
     const auto line = trimmed(lines.record("identification lines"));
-    id = upper(line) == "NONE" ? std::string() : utf8_of(whole_letters(line, 80));
+    id = upper(line) == "NONE" ? std::string() : letters_of_line(line);
   }
   read_degrees(lines, function);
   const Form form = read_form(lines);

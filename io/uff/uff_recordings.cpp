@@ -53,11 +53,12 @@ bool has_part(const std::vector<UffPart>& parts, Side side, Index channel) {
   });
 }
 
-std::string time_fault_of(const Eigen::VectorXd& x, double step) {
+// @param seconds  that 1 of the abscissa is
+std::string time_fault_of(const Eigen::VectorXd& x, double step, double seconds) {
   if (!(step > 0.0)) return ": the time does not ascend";
   for (Index k = 0; k < x.size(); ++k) {
     if (std::abs(x(k) - x(0) - step * static_cast<double>(k)) < 0.01 * step) continue;
-    return ": sample " + fmt::to_string(k + 1) + " is at " + fmt::format("{:.9g}", x(k)) +
+    return ": sample " + fmt::to_string(k + 1) + " is at " + fmt::format("{:.9g}", seconds * x(k)) +
            " s; expected one step from sample to sample";
   }
   return "";
@@ -80,9 +81,10 @@ UffTrace trace_of(const UffFunction& function) {
     return trace;
   }
   const double step = (x(x.size() - 1) - x(0)) / static_cast<double>(x.size() - 1);
-  trace.fault = time_fault_of(x, step);
+  const double seconds = abscissa_factor(function.abscissa, "s").value_or(1.0);
+  trace.fault = time_fault_of(x, step, seconds);
   const double first = x(1) - x(0);
-  trace.step = std::abs(first - step) < 1e-12 * step ? first : step;
+  trace.step = seconds * (std::abs(first - step) < 1e-12 * step ? first : step);
   return trace;
 }
 
@@ -158,11 +160,23 @@ void UffRecordings::take(std::size_t f) {
     if (side == Side::output) stated_kind_.push_back(scale.kind);
     note_once(scale.note);
   }
-  Key key{function.load_case, function.version, 0};
   const auto number = static_cast<Index>(found - all.begin());
+  if (is_of_another_quantity(side, number, scale)) {
+    fail(place(function) + ": the channel is of another kind or unit than in the function before");
+  }
+  if (!abscissa_factor(function.abscissa, "s")) note_once(unknown_abscissa(function.abscissa, "s"));
+  Key key{function.load_case, function.version, 0};
   while (has_part(parts_[key], side, number)) ++key[2];
   parts_[key].push_back({f, side, number, scale.factor});
   take_sample_time(function, traces_[f]);
+}
+
+bool UffRecordings::is_of_another_quantity(Side side, Index number, const UffScale& scale) {
+  const auto at = static_cast<std::size_t>(number);
+  const auto kind = side == Side::output ? stated_kind_[at] : std::nullopt;
+  if (kind && scale.kind && kind != scale.kind) return true;
+  const auto& unit = channels(side)[at].unit;
+  return !unit.empty() && !scale.unit.empty() && unit != scale.unit;
 }
 
 void UffRecordings::note_once(const std::string& note) {

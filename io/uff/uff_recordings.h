@@ -14,6 +14,7 @@
 
 #include "io/time_file.h"
 #include "io/uff/uff.h"
+#include "io/uff/uff_channels.h"
 
 namespace chladni::io {
 
@@ -89,6 +90,8 @@ class UffRecordings {
   [[nodiscard]] std::string place(const UffPart& part) const;
   std::vector<modal::MeasuredChannel>& channels(Side side);
   void take(std::size_t f);
+  // Whether what a function states is another quantity than that of its channel before.
+  [[nodiscard]] bool is_of_another_quantity(Side side, Eigen::Index number, const UffScale& scale);
   void note_once(const std::string& note);
   void take_sample_time(const UffFunction& function, const UffTrace& trace);
   void finish();

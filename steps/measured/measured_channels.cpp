@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "io/frf_file.h"
 #include "io/scan.h"
+#include "steps/identification.h"
 
 namespace chladni::steps {
 namespace {
@@ -166,6 +168,62 @@ std::vector<MatchedChannel> matched_channels(const std::vector<MeasuredChannel>&
             (others.size() == 1 ? " is no channel" : " are no channels") + " of the study; " +
             (others.size() == 1 ? "its" : "their") + " responses are left out");
   return result;
+}
+
+namespace {
+
+const char* quantity_of(modal::FrfKind kind) {
+  if (kind == modal::FrfKind::mobility) return "velocity";
+  return kind == modal::FrfKind::accelerance ? "acceleration" : "displacement";
+}
+
+const char* si_unit_of(modal::FrfKind kind) {
+  constexpr const char* units[] = {"m", "m/s", "m/s^2"};
+  return units[static_cast<std::size_t>(kind)];
+}
+
+// Whether it is a unit of any motion, in SI.
+bool is_of_motion(const std::string& unit) {
+  using enum modal::FrfKind;
+  return unit == si_unit_of(receptance) || unit == si_unit_of(mobility) ||
+         unit == si_unit_of(accelerance);
+}
+
+// Units by which a study may say what a file does not.
+const char* examples_of(modal::FrfKind kind) {
+  if (kind == modal::FrfKind::mobility) return "\"m/s\" or \"mm/s\"";
+  return kind == modal::FrfKind::accelerance ? "\"m/s^2\" or \"g\"" : "\"m\" or \"um\"";
+}
+
+}  // namespace
+
+void set_kind(modal::MeasuredChannel& one, const study::Channel& channel, const std::string& file,
+              bool each_in_si) {
+  const auto kind = kind_of(channel.quantity);
+  const bool is_stated = !one.unit.empty() || kind == modal::FrfKind::receptance || each_in_si;
+  require(is_stated,
+          fmt::format("{}: \"{}\" measures {}, and no unit is stated; say that of the responses "
+                      "as [identification] unit = {}, or as \"{}\" where sensors differ",
+                      file, channel.name, channel.quantity, examples_of(kind), io::kEachInSi));
+  // A file may state the kind without a unit: by the type of its data, or by a label.
+  require(!one.unit.empty() || one.kind == kind || one.kind == modal::FrfKind::receptance,
+          fmt::format(
+              "{}: \"{}\" is of {} as the file says, without a unit, and the study says {}; "
+              "correct the channel's quantity, and say the unit as [identification] unit = "
+              "{}",
+              file, channel.name, quantity_of(one.kind), channel.quantity, examples_of(one.kind)));
+  require(
+      one.unit.empty() || is_of_motion(one.unit),
+      fmt::format("{}: \"{}\" is measured in \"{}\", and the study says {}; expected {}. Correct "
+                  "[identification] unit, or the unit in the file (`chladni convert` to .csv "
+                  "leaves it out)",
+                  file, channel.name, one.unit, channel.quantity, examples_of(kind)));
+  require(one.unit.empty() || one.kind == kind,
+          fmt::format("{}: \"{}\" is measured in {}, {}, and the study says {}; correct the "
+                      "channel's quantity",
+                      file, channel.name, one.unit, quantity_of(one.kind), channel.quantity));
+  one.kind = kind;
+  if (one.unit.empty() && each_in_si) one.unit = si_unit_of(kind);
 }
 
 }  // namespace chladni::steps

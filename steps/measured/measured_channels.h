@@ -30,4 +30,12 @@ struct MatchedChannel {
     const std::vector<modal::MeasuredChannel>& measured,
     const std::vector<study::Channel>& channels, const std::string& file, stage::Work& work);
 
+/// Gives a channel of a file the kind of motion that the study's channel measures.
+/// @param file  the name at the start of messages
+/// @param each_in_si  the study says so of outputs without a unit, which then get it
+/// @throws InvalidInput  the file states another kind, or a unit of another kind or of no motion;
+///                       or it states no unit, and the study measures velocity or acceleration
+void set_kind(modal::MeasuredChannel& one, const study::Channel& channel, const std::string& file,
+              bool each_in_si);
+
 }  // namespace chladni::steps

@@ -13,11 +13,6 @@
 namespace chladni::steps {
 namespace {
 
-const char* quantity_of(modal::FrfKind kind) {
-  if (kind == modal::FrfKind::mobility) return "velocity";
-  return kind == modal::FrfKind::accelerance ? "acceleration" : "displacement";
-}
-
 std::vector<std::pair<std::string, std::string>> named_pairs(const study::Study& study) {
   return study.identification ? study.identification->pairs
                               : std::vector<std::pair<std::string, std::string>>{};
@@ -61,54 +56,6 @@ void rename(modal::MeasuredChannel& one, const study::Channel& channel) {
   one.name = channel.name;
   one.direction = channel.direction;
   one.position = channel.at.point;
-}
-
-const char* si_unit_of(modal::FrfKind kind) {
-  constexpr const char* units[] = {"m", "m/s", "m/s^2"};
-  return units[static_cast<std::size_t>(kind)];
-}
-
-// Whether it is a unit of any motion, in SI.
-bool is_of_motion(const std::string& unit) {
-  using enum modal::FrfKind;
-  return unit == si_unit_of(receptance) || unit == si_unit_of(mobility) ||
-         unit == si_unit_of(accelerance);
-}
-
-// Units by which a study may say what a file does not.
-const char* examples_of(modal::FrfKind kind) {
-  if (kind == modal::FrfKind::mobility) return "\"m/s\" or \"mm/s\"";
-  return kind == modal::FrfKind::accelerance ? "\"m/s^2\" or \"g\"" : "\"m\" or \"um\"";
-}
-
-// @param each_in_si  the study says so of outputs without a unit
-void set_kind(modal::MeasuredChannel& one, const study::Channel& channel, const std::string& file,
-              bool each_in_si) {
-  const auto kind = kind_of(channel.quantity);
-  const bool is_stated = !one.unit.empty() || kind == modal::FrfKind::receptance || each_in_si;
-  require(is_stated,
-          fmt::format("{}: \"{}\" measures {}, and no unit is stated; say that of the responses "
-                      "as [identification] unit = {}, or as \"{}\" where sensors differ",
-                      file, channel.name, channel.quantity, examples_of(kind), io::kEachInSi));
-  // A file may state the kind without a unit: by the type of its data, or by a label.
-  require(!one.unit.empty() || one.kind == kind || one.kind == modal::FrfKind::receptance,
-          fmt::format(
-              "{}: \"{}\" is of {} as the file says, without a unit, and the study says {}; "
-              "correct the channel's quantity, and say the unit as [identification] unit = "
-              "{}",
-              file, channel.name, quantity_of(one.kind), channel.quantity, examples_of(one.kind)));
-  require(
-      one.unit.empty() || is_of_motion(one.unit),
-      fmt::format("{}: \"{}\" is measured in \"{}\", and the study says {}; expected {}. Correct "
-                  "[identification] unit, or the unit in the file (`chladni convert` to .csv "
-                  "leaves it out)",
-                  file, channel.name, one.unit, channel.quantity, examples_of(kind)));
-  require(one.unit.empty() || one.kind == kind,
-          fmt::format("{}: \"{}\" is measured in {}, {}, and the study says {}; correct the "
-                      "channel's quantity",
-                      file, channel.name, one.unit, quantity_of(one.kind), channel.quantity));
-  one.kind = kind;
-  if (one.unit.empty() && each_in_si) one.unit = si_unit_of(kind);
 }
 
 std::vector<Eigen::Index> seen(const std::vector<modal::MeasuredChannel>& channels,

@@ -107,6 +107,25 @@ std::vector<AtNode> found_in(const io::NodeShape& shape, const std::vector<study
   return found;
 }
 
+// A mode with the nodes of all of them: programs leave out nodes that a mode does not have.
+io::NodeShape of_all_nodes(const std::vector<io::NodeShape>& modes) {
+  auto all = modes.front();
+  for (const auto& mode : modes) all.motion.insert(mode.motion.begin(), mode.motion.end());
+  return all;
+}
+
+void note_missing(const std::vector<study::Channel>& sensors, const std::vector<AtNode>& found,
+                  const std::string& file, stage::Work& work) {
+  std::vector<std::string> missing;
+  for (const auto& sensor : sensors) {
+    const auto is_it = [&](const AtNode& one) { return one.name == sensor.name; };
+    if (std::ranges::none_of(found, is_it)) missing.push_back("\"" + sensor.name + "\"");
+  }
+  if (missing.empty()) return;
+  work.note(file + ": " + io::listed(missing) + (missing.size() == 1 ? " is" : " are") +
+            " at no node of it: taken as not measured");
+}
+
 // The motion of a channel in each mode; NaN where a mode lacks the node.
 Eigen::RowVectorXcd row_of(const std::vector<io::NodeShape>& modes, const AtNode& channel) {
   Eigen::RowVectorXcd row(static_cast<Index>(modes.size()));
@@ -152,7 +171,8 @@ MeasuredModes modes_of_uff(const study::Study& study, stage::Work& work) {
     modes.frequency_hz(i) = read.modes[k].frequency_hz;
     if (read.modes[k].damping_ratio > 0.0) modes.damping_ratio(i) = read.modes[k].damping_ratio;
   }
-  const auto channels = found_in(read.modes.front(), study.sensors, file);
+  const auto channels = found_in(of_all_nodes(read.modes), study.sensors, file);
+  note_missing(study.sensors, channels, file, work);
   std::vector<Eigen::RowVectorXcd> rows;
   for (const auto& channel : channels) {
     auto row = row_of(read.modes, channel);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "io/frf_file.h"
 #include "stage/channel_paths.h"
 #include "steps/measured/measured_channels.h"
 #include "steps/measured/recorded_frfs.h"
@@ -32,6 +33,25 @@ Column column(const std::vector<MatchedChannel>& matched, const std::string& nam
   require(found != matched.end(),
           file + ": \"" + name + "\" is not in it; expected every sensor and actuator of the fit");
   return {found->of_file, found->turned ? -1.0 : 1.0};
+}
+
+// A held-out sensor of displacement judges the estimate.
+bool is_judge(const study::Study& study, const MatchedChannel& one) {
+  const auto& hold_out = study.measurement->hold_out;
+  return std::ranges::find(hold_out, one.channel->name) != hold_out.end() &&
+         one.channel->quantity == "displacement";
+}
+
+// An observer takes samples as they are: accelerations are no displacements.
+void require_quantities(const study::Study& study, const IdentifiedModel& model,
+                        const std::vector<MatchedChannel>& matched,
+                        std::vector<modal::MeasuredChannel> outputs, const std::string& file) {
+  const bool each_in_si = study.identification && study.identification->unit == io::kEachInSi;
+  for (const auto& one : matched) {
+    const bool is_seen = index_of(model.seen.outputs, one.channel->name) >= 0;
+    if (!is_seen && !is_judge(study, one)) continue;
+    set_kind(outputs[static_cast<std::size_t>(one.of_file)], *one.channel, file, each_in_si);
+  }
 }
 
 Eigen::MatrixXd columns(const Eigen::MatrixXd& all, const std::vector<Column>& wanted) {
@@ -89,6 +109,7 @@ Recordings recordings(const study::Study& study, const IdentifiedModel& model, s
   result.sample_time_s = file.data.sample_time_s;
   require(result.sample_time_s > 0.0, result.file + ": the sample time is not known");
   const auto outputs = matched_channels(file.data.outputs, study.sensors, result.file, work);
+  require_quantities(study, model, outputs, file.data.outputs, result.file);
   const auto inputs = matched_channels(file.data.inputs, study.actuators, result.file, work);
   std::vector<Column> sensors;
   std::vector<Column> judges;
@@ -100,9 +121,7 @@ Recordings recordings(const study::Study& study, const IdentifiedModel& model, s
     actuators.push_back(column(inputs, one.name, result.file));
   }
   for (const auto& one : outputs) {
-    const auto& hold_out = study.measurement->hold_out;
-    if (std::ranges::find(hold_out, one.channel->name) == hold_out.end()) continue;
-    if (one.channel->quantity != "displacement") continue;
+    if (!is_judge(study, one)) continue;
     result.judges.push_back(one.channel->name);
     judges.push_back({one.of_file, one.turned ? -1.0 : 1.0});
   }

@@ -84,6 +84,7 @@ CsvHead head_of(const std::vector<std::string>& cells, const std::string& file) 
     require(axis != std::string_view::npos, file + ":1: a column \"" + cells[i] +
                                                 "\"; expected name, x_mm, y_mm or z_mm, or with "
                                                 "another unit of length");
+    require(head.axis[axis] < 0, file + ":1: two columns of " + cells[i].substr(0, 1));
     head.axis[axis] = static_cast<int>(i);
     head.factor[axis] = unit_factor(cells[i].substr(2), "m");
   }

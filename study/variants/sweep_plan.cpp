@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <utility>
 
 #include "base/error.h"
 #include "host/atomic_file.h"
 #include "study/problems.h"
+#include "study/tables/array_places.h"
 #include "study/toml/table_reader.h"
 
 namespace chladni::study {
@@ -175,6 +177,77 @@ void refuse_repeated(TableReader& root, const std::string& what, const std::vect
   }
 }
 
+std::string common_key(const TomlNode& a, const TomlNode& b);
+
+bool is_list_of_names(const TomlNode& node) {
+  return node.kind == Kind::array && !node.elements.empty() &&
+         std::ranges::none_of(node.elements, [](const auto& e) { return element_name(e).empty(); });
+}
+
+// The key that elements of one name in both lists set: "[s1].at".
+std::string common_key_of_elements(const TomlNode& a, const TomlNode& b) {
+  for (const auto& one : a.elements) {
+    const auto name = element_name(one);
+    const auto other = std::ranges::find(b.elements, name, element_name);
+    if (other == b.elements.end()) continue;
+    if (const auto key = common_key(one, *other); !key.empty()) return "[" + name + "]." + key;
+  }
+  return {};
+}
+
+// Whether two tables of one key are bodies of two kinds: the latter takes the place of the former.
+bool are_two_bodies(const TomlMember& a, const TomlNode& b) {
+  return a.key == "geometry" && std::ranges::none_of(a.value.members, [&](const auto& one) {
+           return member(b, one.key) != nullptr;
+         });
+}
+
+// The key that both documents set, so that one of the values is lost where they are merged. Empty:
+// none. A title decides nothing, and the name of an element says which one is meant.
+std::string common_key(const TomlNode& a, const TomlNode& b) {
+  for (const auto& entry : a.members) {
+    const auto* other = member(b, entry.key);
+    if (other == nullptr) continue;
+    if (entry.key == "name" || entry.key == "title") continue;
+    const bool tables = entry.value.kind == Kind::table && other->kind == Kind::table;
+    const bool lists = is_list_of_names(entry.value) && is_list_of_names(*other);
+    if ((!tables && !lists) || (tables && are_two_bodies(entry, *other))) return entry.key;
+    const auto key =
+        tables ? common_key(entry.value, *other) : common_key_of_elements(entry.value, *other);
+    if (!key.empty()) return entry.key + (tables ? "." : "") + key;
+  }
+  return {};
+}
+
+// The documents of the points of an axis; of a range one, since all set the same key.
+std::vector<TomlNode> documents_of(const SweepAxis& axis) {
+  if (axis.range) return {document_with(axis.key, value_on(*axis.range, 0.0))};
+  std::vector<TomlNode> all;
+  for (const auto& point : axis.points) all.push_back(point.sets);
+  return all;
+}
+
+std::string common_key(const SweepAxis& a, const SweepAxis& b) {
+  for (const auto& one : documents_of(a)) {
+    for (const auto& other : documents_of(b)) {
+      if (auto key = common_key(one, other); !key.empty()) return key;
+    }
+  }
+  return {};
+}
+
+// Refuses axes of which one would undo what the other sets.
+void refuse_common_keys(TableReader& root, const SweepPlan& plan) {
+  for (auto a = plan.axes.begin(); a != plan.axes.end(); ++a) {
+    for (auto b = std::next(a); b != plan.axes.end(); ++b) {
+      const auto key = common_key(*a, *b);
+      if (key.empty()) continue;
+      root.wrong(*root.find("axis"), "the axes \"" + a->name + "\" and \"" + b->name +
+                                         "\" both set " + key + "; expected one axis of it");
+    }
+  }
+}
+
 void read_sample(TableReader& root, SweepPlan& plan) {
   if (auto table = root.table("sample")) {
     if (table->find("count") == nullptr) table->missing("count", "a number of variants");
@@ -238,6 +311,7 @@ SweepPlan read_sweep(const fs::path& file) {
   if (plan.results.empty()) root.missing("result", "[[result]], at least one number to gather");
   refuse_repeated(root, "axis", plan.axes);
   refuse_repeated(root, "result", plan.results);
+  refuse_common_keys(root, plan);
   read_sample(root, plan);
   root.refuse_unknown();
   problems.throw_if_any();

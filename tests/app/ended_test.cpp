@@ -113,6 +113,24 @@ TEST_F(FalseWorker, ThatPaintsNothingIsAWarning) {
   }
 }
 
+// A sweep of hours ended in an error, without its result, when the painter failed.
+TEST_F(FalseWorker, ThatPaintsNoSweepIsAWarning) {
+  write("base.toml", kPlate);
+  const auto plan =
+      write("plan.toml",
+            "base = \"base.toml\"\n[[axis]]\nkey = \"geometry.plate.thickness\"\n"
+            "values = [\"5 mm\", \"6 mm\"]\n"
+            "[[result]]\nname = \"first\"\nfile = \"modes.json\"\nat = \"frequency_hz.6\"\n");
+  for (const auto* verb : {"sweep", "gather"}) {
+    const auto ended =
+        run_with("chladni-painter", "exit 0", {verb, plan.string(), "-o", "out", "--json"});
+    EXPECT_EQ(ended.status, 0) << verb << "\n" << ended.err;
+    EXPECT_TRUE(says(ended.err, "warning: sweep.png is not painted: chladni-painter"));
+    EXPECT_EQ(io::parse_json(ended.out).at("done").number(), 2.0);
+    EXPECT_FALSE(fs::exists(folder_ / "out/sweep.png"));
+  }
+}
+
 // --- What a parent leaves behind.
 
 TEST_F(CommandLine, ClosedStreamsAreNoHindranceToWorkers) {

@@ -203,6 +203,25 @@ TEST_F(MeasuredModes, AreReadAtTheNodesOfAUniversalFile) {
   EXPECT_EQ(modes.output_shapes(1, 0), std::complex<double>(-3.0));  // s2 looks along -z
 }
 
+// A sensor at a node that the first mode lacks was left out of all modes, without a word.
+TEST_F(MeasuredModes, OfAUniversalFileMayLackNodes) {
+  const std::string first = "        11\n  0.00000E+00  0.00000E+00  2.00000E+00\n";
+  const std::string second = "        12\n  0.00000E+00  0.00000E+00  3.00000E+00\n";
+  write("modes.unv", dataset_55(50.0, first) + dataset_55(100.0, first + second));
+  const auto study = study_of("modes.unv");
+  std::ostringstream said;
+  std::ostringstream shown;
+  show::Talk talk(said, show::Manner{});
+  show::Options options;
+  options.folder = folder_.path() / "out";
+  show::Run run(study, options, shown, talk);
+  const auto modes = measured_modes(study, run);
+  EXPECT_EQ(modes.outputs, (std::vector<std::string>{"s1", "s2"}));
+  EXPECT_TRUE(std::isnan(modes.output_shapes(1, 0).real()));
+  EXPECT_EQ(modes.output_shapes(1, 1), std::complex<double>(-3.0));
+  EXPECT_PRED2(says, said.str(), "\"s3\", \"s4\", \"s5\" are at no node of it");
+}
+
 TEST_F(MeasuredModes, OfASensorCalledByNodeAndAxisAreAlongThatAxis) {
   const std::string nodes = "        26\n  1.00000E+00  0.00000E+00  2.00000E+00\n";
   const auto study_with = [&](const std::string& name, const std::string& direction) {

@@ -239,6 +239,7 @@ TEST(DeviceArrays, OfCsvFilesSayWhatIsWrongAndWhere) {
   EXPECT_TRUE(says(said("x,y\n1,2\n"), "places.csv:1: a column \"x\""));
   EXPECT_TRUE(says(said("x_mm,y_kg\n1,2\n"), "kg"));
   EXPECT_TRUE(says(said("x_mm\n1\n"), "no columns for x and y"));
+  EXPECT_TRUE(says(said("x_mm,y_mm,x_in\n1,2,3\n"), "two columns of x"));
   EXPECT_TRUE(says(said("x_mm,y_mm\n1,2\n3\n"), "places.csv:3: 1 values; expected 2"));
   EXPECT_TRUE(says(said("x_mm,y_mm\n1,two\n"), "places.csv:2: \"two\" is no number"));
   EXPECT_TRUE(says(said("x_mm,y_mm\n1,nan\n"), "no number"));

@@ -198,6 +198,30 @@ TEST(SweepPlan, WhatIsWrongIsToldWithItsLine) {
                                      kResult));
 }
 
+// The later axis took the place of the former, whose values stood in the table all the same.
+TEST(SweepPlan, AnAxisThatUndoesAnotherIsRefused) {
+  const auto both = [](const std::string& first, const std::string& second) {
+    return refusal_of("base = \"base.toml\"\n[[axis]]\nname = \"one\"\n" + first +
+                      "[[axis]]\nname = \"other\"\n" + second + kResult);
+  };
+  const std::string thickness = "key = \"geometry.plate.thickness\"\nvalues = [\"1 mm\"]\n";
+  const std::string modulus = "key = \"material.youngs_modulus\"\nvalues = [\"70 GPa\"]\n";
+  const std::string moved = "key = \"sensor[s1].at\"\nvalues = [[\"0 mm\", \"0 mm\"]]\n";
+  const auto choice = [](const std::string& study) {
+    return "[[axis.choice]]\nname = \"c\"\nstudy = { " + study + " }\n";
+  };
+  expect_in("\"one\" and \"other\" both set geometry.plate.thickness", both(thickness, thickness));
+  expect_in("both set geometry.plate.thickness",
+            both(thickness, "key = \"geometry.plate.thickness\"\nfrom = 1\nto = 2\ncount = 2\n"));
+  expect_in("both set geometry;", both(thickness, choice("geometry = { disc = { } }")));
+  expect_in("both set material;", both("key = \"material\"\nvalues = [\"zerodur\"]\n", modulus));
+  expect_in("both set sensor[s1].at;",
+            both(choice("sensor = [ { name = \"s1\", at = [\"1 mm\", \"0 mm\"] } ]"), moved));
+  expect_in("taken", both(thickness, modulus));
+  expect_in("taken", both(moved, "key = \"sensor[s1].gain\"\nvalues = [1.0, 1.1]\n"));
+  expect_in("taken", both(moved, "key = \"sensor[s2].at\"\nvalues = [[\"0 mm\", \"0 mm\"]]\n"));
+}
+
 // A million variants are told before any is made.
 TEST(SweepPlan, TooManyVariantsAreTold) {
   std::string plan = "base = \"base.toml\"\n";

@@ -9,9 +9,12 @@
 #include "host/atomic_file.h"
 #include "io/frf_file.h"
 #include "io/json.h"
+#include "io/time_file.h"
 #include "steps/identification.h"
+#include "steps/observer.h"
 #include "tests/app/quiet_run.h"
 #include "tests/io/measured/uff_samples.h"
+#include "tests/refusal.h"
 
 namespace chladni::app {
 namespace {
@@ -257,6 +260,38 @@ TEST_F(MeasuredChannels, ATableOfSeveralQuantitiesIsReadBack) {
     EXPECT_EQ(found.outputs[i].unit, set.outputs[i].unit);
   }
   EXPECT_EQ(found.value[7], set.value[7]);
+}
+
+// An observer ran over accelerations as if they were displacements.
+TEST_F(MeasuredChannels, RecordingsAreOfTheStudysQuantity) {
+  recordings::TimeData data;
+  data.outputs.push_back({.name = "s1"});
+  data.inputs.push_back({.name = "a1"});
+  data.sample_time_s = 1e-3;
+  data.records.push_back({.outputs = Eigen::MatrixXd::Ones(16, 1),
+                          .inputs = Eigen::MatrixXd::Ones(16, 1),
+                          .references = Eigen::MatrixXd(16, 0)});
+  steps::IdentifiedModel model;
+  model.seen.outputs = data.outputs;
+  model.seen.inputs = data.inputs;
+  const auto read = [&](const std::string& unit, modal::FrfKind kind) {
+    data.outputs[0].unit = unit;
+    data.outputs[0].kind = kind;
+    (void)io::write_time(folder_.path() / "recorded.uff", data);
+    auto text = study(sensor("s1", "\"z\"", ""));
+    text.replace(text.find("frf = \"measured.uff\""), 20, "time = \"recorded.uff\"");
+    stage::Work work;
+    return steps::recordings(study::parse_study(text, folder_.path() / "study.toml", {}), model,
+                             work);
+  };
+  EXPECT_EQ(read("m", modal::FrfKind::receptance).records.size(), 1U);
+  EXPECT_EQ(read("", modal::FrfKind::receptance).records.size(), 1U);
+  for (const char* unit : {"m/s^2", ""}) {
+    EXPECT_NE(
+        refusal_of([&] { return read(unit, modal::FrfKind::accelerance); }).find("acceleration"),
+        std::string::npos)
+        << unit;
+  }
 }
 
 TEST_F(MeasuredChannels, AUnitThatIsOfNoMotionIsRefused) {

@@ -84,6 +84,16 @@ class Simulate : public testing::Test {
   TestFolder folder_{"simulate"};
 };
 
+// The names were refused when all was solved and the record was to be written.
+TEST_F(Simulate, RefusesNamesThatATableCannotHoldBeforeItSolves) {
+  const std::string too_fine = "mesh = { edge_length = \"1 um\" }\n";  // cannot be solved
+  const auto said = refusal_of([&] {
+    return run(too_fine + in_other_words(kStrip, "\"y1\"", "\"rig/y1\"") + "[experiment]\n" +
+               kShort);
+  });
+  EXPECT_NE(said.find("CSV cannot hold the names"), std::string::npos) << said;
+}
+
 TEST_F(Simulate, MeasuresTheChainWithinTheStatedVariance) {
   const auto out = run(kStrip + "[experiment]\n" + kShort +
                        "structure = \"rigid_chain\"\nwarm_up = 20\nperiods = 4\nrealisations = 6\n"

@@ -162,6 +162,28 @@ TEST(FrfCsv, RefusesWhatIsNoUnitOfASensor) {
   }
 }
 
+// Excel writes a table in the code page of the machine.
+TEST(FrfCsv, NamesOfLatin1AreUtf8) {
+  for (const char* name : {"T\xFCr", "T\xC3\xBCr"}) {
+    const auto file = parse_frf_csv(
+        "freq_hz;re_" + std::string(name) + "/u;im_" + name + "/u\r\n1;2;3\r\n", "t.csv");
+    EXPECT_EQ(file.set.outputs[0].name, "T\xC3\xBCr");
+  }
+}
+
+// |S|^2 over two powers, in single precision, is 1.0000001 where all is coherent.
+TEST(FrfCsv, ACoherenceIsOneWithinItsRounding) {
+  const auto coherence = [](const char* text) {
+    return parse_frf_csv("freq_hz,re_y1u1,im_y1u1,coh_y1u1\n1,2,3," + std::string(text) + "\n",
+                         "t.csv")
+        .set.coherence[0](0, 0);
+  };
+  EXPECT_EQ(coherence("1.0000001"), 1.0);
+  EXPECT_EQ(coherence("-1e-7"), 0.0);
+  EXPECT_EQ(coherence("0.9999999"), 0.9999999);
+  EXPECT_THROW((void)coherence("1.001"), InvalidInput);
+}
+
 TEST(FrfCsv, WhatIsMissingIsNotANumber) {
   const auto set =
       parse_frf_csv("freq_hz,re_y1u1,im_y1u1,re_y2u2,im_y2u2\n1,2,3,,\n2,nan,NaN,1,1\n", "t.csv")

@@ -170,6 +170,48 @@ TEST(FrfUff, CoherenceBelongsToItsResponse) {
             1);
 }
 
+// A motion over a motion was taken for an accelerance, a force over a motion for a receptance.
+TEST(FrfUff, RatiosThatAreNoResponsesToForcesAreNotRead) {
+  Sample58 response, transmissibility, stiffness;
+  transmissibility.denominator = 12;
+  transmissibility.input_unit = "g";
+  transmissibility.reference_node = 40;
+  stiffness.ordinate = 13;
+  stiffness.unit = "N";
+  stiffness.denominator = 8;
+  stiffness.input_unit = "m";
+  for (const auto& other : {transmissibility, stiffness}) {
+    EXPECT_THROW((void)parse_frf_uff(dataset_58(other), "t.uff"), InvalidInput);
+    const auto file = parse_frf_uff(dataset_58(other) + dataset_58(response), "t.uff");
+    ASSERT_EQ(file.set.input_count(), 1);
+    EXPECT_EQ(file.set.inputs[0].name, "-3z");
+    EXPECT_EQ(times(file.notes, "no motion over a force"), 1);
+  }
+  Sample58 labelled;  // the label counts more than the type
+  labelled.ordinate = 13;
+  EXPECT_EQ(parse_frf_uff(dataset_58(labelled), "t.uff").set.outputs[0].unit, "m/s^2");
+}
+
+TEST(FrfUff, OfCoherencesOfOnePairTheFirstIsTaken) {
+  Sample58 response, first, second;
+  for (auto* one : {&first, &second}) {
+    one->function_type = 6;
+    one->ordinate_type = 2;
+    one->ordinate = 1;
+    for (auto& y : one->y) y = 0.75;
+  }
+  first.y[0] = 1.000001;  // of single precision
+  second.y[1] = 0.25;
+  const auto file = parse_frf_uff(
+      dataset_58(response) + dataset_58(first) + dataset_58(second) + dataset_58(first), "t.uff");
+  EXPECT_EQ(file.set.coherence[0](0, 0), 1.0);
+  EXPECT_EQ(file.set.coherence[1](0, 0), 0.75);
+  EXPECT_EQ(times(file.notes, "two coherences of one pair that differ"), 1);
+  first.y[0] = 1.01;
+  EXPECT_THROW((void)parse_frf_uff(dataset_58(response) + dataset_58(first), "t.uff"),
+               InvalidInput);
+}
+
 TEST(FrfUff, RefusalsNameBoth) {
   const auto refused = [](const std::string& bytes, const char* a, const char* b) {
     try {
@@ -274,6 +316,20 @@ TEST(FrfUff, LettersOfLatin1AreRead) {
   EXPECT_EQ(latin.outputs[0].unit, "m");
   sample.response_name = "Tür";  // with a blank less than columns want
   EXPECT_EQ(parse_frf_uff(dataset_58(sample), "t.uff").set.outputs[0].name, "Tür");
+}
+
+// Bytes that go on with a letter of UTF-8 are letters of their own in Latin-1.
+TEST(FrfUff, AllEightyLettersOfALatin1LineAreRead) {
+  const std::string letters(69, 'a');  // behind "response: ": columns 11 to 79
+  const auto text = dataset_58(Sample58{});
+  const auto read_as = [&](const std::string& name) {
+    auto changed = text;
+    changed.replace(changed.find("\nresponse\n") + 1, 8, "response: " + name);
+    return parse_frf_uff(changed, "t.uff").set.outputs[0].name;
+  };
+  EXPECT_EQ(read_as(letters + "m\xB5 beyond"), letters + "m");
+  EXPECT_EQ(read_as(letters + "\xB5m beyond"), letters + "µ");
+  EXPECT_EQ(read_as(letters + "µ beyond"), letters);  // UTF-8: its second byte is in column 81
 }
 
 TEST(FrfUff, NamesAllThatItLeavesOut) {

@@ -151,8 +151,9 @@ TEST_F(Mat, RecordingsOfDifferentLengthsAreRefused) {
   EXPECT_EQ(refused({8, 2}, {8, 1}), "");
   EXPECT_EQ(refused({8, 2}, {1, 8}), "");
   EXPECT_EQ(refused({8, 2, 3}, {8, 1, 3}), "");
-  for (const auto& said : {refused({8, 1}, {1, 16}), refused({8, 2}, {8, 2, 3}),
-                           refused({2, 8}, {1, 8}), refused({8, 2, 3}, {8, 1, 6})}) {
+  for (const auto& said :
+       {refused({8, 1}, {1, 16}), refused({8, 2}, {8, 2, 3}), refused({2, 8}, {1, 8}),
+        refused({8, 2, 3}, {8, 1, 6}), refused({2, 8}, {2, 8})}) {  // channels x samples
     EXPECT_NE(said.find("expected"), std::string::npos) << said;
   }
 }

@@ -320,6 +320,24 @@ TEST(ModesUff, OfOtherProgramsAreRead) {
                NoShapes);
 }
 
+// Number 1 is the global frame where a file defines none: most programs write it beside each node.
+TEST(ModesUff, SystemOneIsTheGlobalFrameWhereNoneIsDefined) {
+  const std::string shape =
+      dataset_2414("         1", "         1         2         2         8         2         3",
+                   "        11\n  1.00000E+00  0.00000E+00 -2.00000E+00\n");
+  const auto nodes = [](int system) {
+    return fmt::format(
+        "    -1\n  2411\n{:10}{:10}{:10}{:10}\n{:25.16E}{:25.16E}{:25.16E}\n    -1\n", 11, system,
+        system, 11, 0.1, 0.2, 0.3);
+  };
+  for (const int system : {0, 1}) {
+    const auto modes = parse_node_shapes(nodes(system) + shape, "a.unv").modes;
+    ASSERT_EQ(modes.size(), 1U);
+    EXPECT_EQ(modes[0].motion.at(11), Eigen::Vector3cd(1.0, 0.0, -2.0));
+  }
+  EXPECT_THROW((void)parse_node_shapes(nodes(2) + shape, "a.unv"), InvalidInput);
+}
+
 TEST(ModesUff, AGeometryThatCannotBeReadIsNotedOnly) {
   const auto sound = modes_uff(drawn(5, 1, false, false), ShapeDataset::nodes_55);
   const std::string lines = "    -1\n    82\n         1         2\n    -1\n";

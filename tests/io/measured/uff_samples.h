@@ -16,8 +16,9 @@ namespace chladni::io {
 struct Sample58 {
   int ordinate_type = 5;  ///< 2, 4 real; 5, 6 complex
   bool even = true, binary = false, big_endian = false;
-  int function_type = 4, ordinate = 12;
+  int function_type = 4, ordinate = 12, denominator = 13;
   std::string label = "Acceleration", unit = "m/s^2", input_unit = "N", eol = "\n", extra = "";
+  std::string abscissa_unit = "";  ///< empty: Hz, or s of a recording
   std::vector<double> x{1.0, 1.5, 2.0, 2.5, 3.0};
   std::vector<std::complex<double>> y{
       {1.5, -2.25}, {-3.0, 4.0}, {0.125, 1e-3}, {-1e4, -1e-5}, {7, 8}};
@@ -84,9 +85,12 @@ inline std::string dataset_58(const Sample58& s) {
   const auto axis = [&](int type, const std::string& label, const std::string& unit) {
     text += fmt::format("{:10}{:5}{:5}{:5} {:<20} {:<20}", type, 0, 0, 0, label, unit) + eol;
   };
-  axis(s.function_type == 1 ? 17 : 18, "Frequency", "Hz");
+  const bool is_time = s.function_type == 1;
+  const std::string usual = is_time ? "s" : "Hz";
+  axis(is_time ? 17 : 18, is_time ? "Time" : "Frequency",
+       s.abscissa_unit.empty() ? usual : s.abscissa_unit);
   axis(s.ordinate, s.label, s.unit);
-  axis(13, "Excitation force", s.input_unit);
+  axis(s.denominator, s.denominator == 13 ? "Excitation force" : "NONE", s.input_unit);
   axis(0, "NONE", "NONE");
   return text + s.extra + data + (s.binary ? s.extra + eol : "") + "    -1" + eol;
 }

@@ -264,5 +264,81 @@ TEST(UffSystems, RecordingsAreTurnedToo) {
   EXPECT_LT((file.data.outputs[1].direction - axes.col(0)).norm(), 1e-12);
 }
 
+// One response is one body, in whatever unit the file has its frequencies.
+TEST(UffAbscissa, FrequenciesBecomeHertz) {
+  struct Case {
+    const char* unit;
+    double hertz;
+    int notes;
+  };
+  const Case cases[] = {{"Hz", 1.0, 0},
+                        {"HZ", 1.0, 0},
+                        {"NONE", 1.0, 0},
+                        {"kHz", 1e3, 0},
+                        {"KHZ", 1e3, 0},
+                        {"RPM", 1.0 / 60.0, 0},
+                        {"(rad/s)", 0.5 / std::numbers::pi, 0},
+                        {"RAD/SEC", 0.5 / std::numbers::pi, 0},
+                        {"orders", 1.0, 1}};
+  for (const auto& c : cases) {
+    SCOPED_TRACE(c.unit);
+    Sample58 sample;
+    sample.abscissa_unit = c.unit;
+    const auto file = parse_frf_uff(dataset_58(sample), "t.uff");
+    EXPECT_NEAR(file.set.frequency_hz(4), 3.0 * c.hertz, 1e-12 * c.hertz);
+    EXPECT_EQ(times(file.notes, "of the abscissa is not known"), c.notes);
+    EXPECT_EQ(std::ssize(file.notes), c.notes) << testing::PrintToString(file.notes);
+  }
+}
+
+// Accelerations beside the type of displacements were metres, without a word.
+TEST(UffUnits, CountMoreThanTheTypeOfTheData) {
+  for (const bool has_164 : {false, true}) {
+    Sample58 sample;
+    sample.ordinate = 8;
+    sample.unit = "g";
+    const auto file =
+        parse_frf_uff((has_164 ? dataset_164(1.0, 1.0) : "") + dataset_58(sample), "t.uff");
+    EXPECT_EQ(file.set.outputs[0].unit, "m/s^2");
+    EXPECT_EQ(file.set.outputs[0].kind, modal::FrfKind::accelerance);
+    EXPECT_NEAR(file.set.value[0](0, 0).real(), 1.5 * 9.80665, 1e-9);
+    EXPECT_EQ(times(file.notes, "is none of what the type of the data says"), 1);
+  }
+}
+
+// Two quantities of one degree of freedom were two realisations of the first one.
+TEST(TimeUff, ADegreeOfFreedomIsOfOneQuantity) {
+  Sample58 acceleration;
+  acceleration.function_type = 1;
+  acceleration.ordinate_type = 4;
+  Sample58 again = acceleration;
+  again.unit = "g";  // an acceleration, too
+  EXPECT_EQ(
+      parse_time_uff(dataset_58(acceleration) + dataset_58(again), "t.uff").data.records.size(),
+      2U);
+  Sample58 displacement = acceleration;
+  displacement.ordinate = 8;
+  displacement.unit = "mm";
+  EXPECT_THROW((void)parse_time_uff(dataset_58(acceleration) + dataset_58(displacement), "t.uff"),
+               InvalidInput);
+}
+
+// A time in milliseconds was read as seconds.
+TEST(UffAbscissa, TimesBecomeSeconds) {
+  const auto with = [](const std::string& unit) {
+    Sample58 sample;
+    sample.function_type = 1;
+    sample.ordinate_type = 4;
+    sample.abscissa_unit = unit;
+    return parse_time_uff(dataset_58(sample), "t.uff");
+  };
+  EXPECT_EQ(with("s").data.sample_time_s, 0.5);
+  EXPECT_NEAR(with("ms").data.sample_time_s, 0.5e-3, 1e-15);
+  EXPECT_NEAR(with("SEC").data.sample_time_s, 0.5, 1e-12);
+  EXPECT_EQ(times(with("SEC").notes, "of the abscissa"), 0);
+  EXPECT_EQ(with("samples").data.sample_time_s, 0.5);
+  EXPECT_EQ(times(with("samples").notes, "of the abscissa is not known"), 1);
+}
+
 }  // namespace
 }  // namespace chladni::io
