@@ -48,7 +48,8 @@ class Run : public stage::Work {
   /// @throws as OutputFolder
   Run(const study::Study& study, Options options, std::ostream& results, Talk& talk);
   /// Reports results in the folder that belong to another state of the study than those of this
-  /// run. A report of another state is kept as report_before.html.
+  /// run. A report of another state is kept as report_before.html; so are pictures and fields of
+  /// another state whose result was replaced while they were not.
   ~Run() override;
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
@@ -67,9 +68,9 @@ class Run : public stage::Work {
   /// `--json` prints only the verb's own `main_result`.
   void leave(const std::string& file, io::JsonObject content, bool main_result);
 
-  /// Renames what stands as `file`, where this run could have left it and did not: it would be taken
-  /// for a result of this run. `a.toml` becomes `a_before.toml`, and a warning says so. What the
-  /// study itself is read from stays.
+  /// Renames what stands as `file`, where this run could have left it and did not: it would be
+  /// taken for a result of this run. `a.toml` becomes `a_before.toml`, and a warning says so. What
+  /// the study itself is read from stays.
   void put_aside(const std::string& file);
 
   /// Lets `draw` paint the picture `file`, unless pictures are switched off. The program goes on
@@ -86,7 +87,9 @@ class Run : public stage::Work {
   [[nodiscard]] study::Origin origin(bool measured);
 
  private:
-  void put_outdated_aside();
+  void put_outdated_aside(const std::vector<std::string>& outdated);
+  void put_companions_aside(const std::vector<std::string>& outdated);
+  [[nodiscard]] bool is_read(const std::filesystem::path& file) const;
   void warn_not_painted(const std::string& file, const std::string& why);
 
   const study::Study& study_;
@@ -97,6 +100,8 @@ class Run : public stage::Work {
   study::Fingerprints fingerprints_;
   io::PaintQueue pictures_;
   std::set<std::string> painted_;
+  std::set<std::string> replaced_;  // results of another state, which this run has overwritten
+  std::filesystem::file_time_type started_;
   std::string last_fault_;  // of a picture
   bool has_left_ = false;
 };

@@ -22,6 +22,10 @@ class OutputFolder {
   OutputFolder& operator=(OutputFolder&&) = delete;
 
   [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
+  /// When this run took the folder, by the clock of its file system.
+  [[nodiscard]] std::filesystem::file_time_type began() const {
+    return std::filesystem::last_write_time(lock_);
+  }
 
  private:
   std::filesystem::path folder_, lock_;

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -7,6 +8,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "host/cache.h"
 #include "host/memory.h"
 #include "show/run.h"
@@ -49,6 +51,31 @@ bool stands_on_data(const std::string& file) {
   return std::ranges::find(of_body, file) == of_body.end();
 }
 
+/// What a verb leaves beside a result only in some runs: with an option, or where the study asks
+/// for it.
+struct Companions {
+  std::string_view result;
+  std::vector<std::string_view> files;
+};
+
+const std::array kCompanions{
+    Companions{"modes.json", {"modes.pvd", "modes.png", "channels.vtu"}},
+    Companions{"mesh.json", {"mesh.png"}},
+    Companions{"placement.json", {"heat_map.png", "layouts.png", "observer_layouts.png"}},
+    Companions{"experiment.json", {"experiment.png", "experiment.svg", "hammer_points.csv"}},
+    Companions{"identified.json", {"fit.png", "fit.svg", "stabilisation.png", "stabilisation.svg"}},
+    Companions{"interpolation.json",
+               {"mode_field.png", "mode_field.csv", "predicted.csv", "predicted_band.csv",
+                "predicted.png", "predicted.svg", "spatio_temporal.mat"}},
+    Companions{"observe.json", {"observer.png", "observer.svg"}},
+    Companions{
+        "comparison.json",
+        {"responses.png", "responses.svg", "errors.png", "errors.svg", "mac.png", "mac.svg"}},
+    Companions{"diagnosis.json",
+               {"prediction.png", "prediction.svg", "errors_over_frequency.png",
+                "errors_over_frequency.svg", "mac.png", "mac.svg"}},
+};
+
 /// A virtual experiment plays a file, and writes those of the measurement.
 void add_excitation(const study::Study& study, study::Fingerprints& fingerprints,
                     study::Origin& origin) {
@@ -61,6 +88,27 @@ void add_excitation(const study::Study& study, study::Fingerprints& fingerprints
 // Name of what stood here before this run: a_before.toml for a.toml.
 std::string before(const std::filesystem::path& file) {
   return file.stem().string() + "_before" + file.extension().string();
+}
+
+// The frames that an animation lists go with it: a_before_00.vtu for a_00.vtu.
+void put_frames_aside(const std::filesystem::path& animation) {
+  const auto stem = animation.stem().string(), newer = stem + "_before";
+  auto list = read_whole(animation);
+  for (int frame = 0;; ++frame) {
+    const auto number = fmt::format("_{:02}.vtu", frame);
+    const auto at = list.find("\"" + stem + number + "\"");
+    if (at == std::string::npos) break;
+    list.replace(at + 1, stem.size(), newer);
+    std::error_code missing;
+    std::filesystem::rename(animation.parent_path() / (stem + number),
+                            animation.parent_path() / (newer + number), missing);
+  }
+  write_atomically(animation, list);
+}
+
+bool is_regular(const std::filesystem::path& file) {
+  std::error_code missing;
+  return std::filesystem::is_regular_file(std::filesystem::symlink_status(file, missing));
 }
 
 io::JsonArray inputs_of(const study::Origin& origin) {
@@ -79,22 +127,55 @@ Run::Run(const study::Study& study, Options options, std::ostream& results, Talk
       options_(std::move(options)),
       results_(results),
       talk_(talk),
-      folder_(choices().folder) {
+      folder_(choices().folder),
+      started_(folder_.began()) {
   const auto note = cache_place().note;
   if (options_.cache && !note.empty()) talk_.note(note);
 }
 
 Run::~Run() {
   try {
-    if (has_left_) put_outdated_aside();
+    if (!has_left_) return;
+    const auto outdated = study::outdated(folder_.path(), origin(true));
+    put_companions_aside(outdated);
+    put_outdated_aside(outdated);
   } catch (const std::exception&) {
     return;  // the results are complete
   }
 }
 
-void Run::put_outdated_aside() {
+void Run::put_companions_aside(const std::vector<std::string>& outdated) {
+  // A result of the present state may own a file that several verbs leave.
+  const auto is_present = [&](const std::string& result) {
+    return !replaced_.contains(result) && is_regular(*this / result) &&
+           std::ranges::count(outdated, result) == 0;
+  };
+  const auto is_owned = [&](std::string_view file) {
+    return std::ranges::any_of(kCompanions, [&](const Companions& one) {
+      return std::ranges::count(one.files, file) > 0 && is_present(std::string(one.result));
+    });
+  };
+  std::vector<std::string> kept;
+  for (const auto& [result, files] : kCompanions) {
+    if (!replaced_.contains(std::string(result))) continue;
+    for (const auto file : files) {
+      const auto older = *this / file;
+      if (!is_regular(older) || std::filesystem::last_write_time(older) >= started_) continue;
+      if (is_owned(file) || is_read(older)) continue;
+      if (older.extension() == ".pvd") put_frames_aside(older);
+      std::filesystem::rename(older, *this / before(older));
+      kept.push_back(before(older));
+    }
+  }
+  if (kept.empty()) return;
+  talk_.warn(fmt::format(
+      "{}: what stood beside results of an earlier state of the study or of its files is now {}",
+      folder_.path().string(), fmt::join(kept, ", ")));
+}
+
+void Run::put_outdated_aside(const std::vector<std::string>& outdated) {
   std::string others;
-  for (const auto& name : study::outdated(folder_.path(), origin(true))) {
+  for (const auto& name : outdated) {
     if (name == "report.html") {
       std::filesystem::rename(*this / name, *this / before(name));
       talk_.warn(folder_.path().string() +
@@ -128,17 +209,20 @@ void Run::paint(const std::string& file,
   }
 }
 
-void Run::put_aside(const std::string& file) {
-  const auto older = *this / file;
-  std::error_code fault;
-  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(older, fault))) return;
-  const auto is_older = [&](const std::filesystem::path& read) {
-    return std::filesystem::equivalent(older, read, fault);
+// Whether the study is read from it.
+bool Run::is_read(const std::filesystem::path& file) const {
+  const auto is_it = [&](const std::filesystem::path& read) {
+    std::error_code missing;
+    return std::filesystem::equivalent(file, read, missing);
   };
   const auto named = study::named_files(study_, true, options_.allowed);
-  if (is_older(study_.file) || std::ranges::any_of(named, is_older, &study::NamedFile::file))
-    return;
-  fault.clear();
+  return is_it(study_.file) || std::ranges::any_of(named, is_it, &study::NamedFile::file);
+}
+
+void Run::put_aside(const std::string& file) {
+  const auto older = *this / file;
+  if (!is_regular(older) || is_read(older)) return;
+  std::error_code fault;
   std::filesystem::rename(older, *this / before(file), fault);
   warn(fault ? file + " is of an earlier run and cannot be renamed: " + fault.message()
              : file + " was of an earlier run; it is " + before(file) + " now");
@@ -176,6 +260,8 @@ void Run::show(std::string_view text) {
 
 void Run::leave(const std::string& file, io::JsonObject content, bool main_result) {
   auto from = origin(stands_on_data(file));
+  const auto older = study::origin_of(*this / file);
+  if (older && study::differ(*older, from)) replaced_.insert(file);
   if (file == "simulated.json") add_excitation(study_, fingerprints_, from);
   io::JsonObject seconds;
   for (const auto& [step, time] : this->seconds()) seconds.emplace_back(step, time);

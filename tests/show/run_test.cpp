@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <fstream>
 #include <sstream>
 
 #include "base/error.h"
+#include "host/atomic_file.h"
 #include "io/matrix_picture.h"
 #include "tests/app/quiet_run.h"
 #include "tests/study/plate_text.h"
@@ -31,6 +33,12 @@ class Runs : public testing::Test {
     fs::create_directories(folder_.path() / "out");
     std::ofstream(folder_.path() / "out" / name) << "of an earlier run";
     return folder_.path() / "out" / name;
+  }
+  fs::path hour_old(const std::string& name, const std::string& content) const {
+    const auto file = older(name);
+    std::ofstream(file) << content;
+    fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(1));
+    return file;
   }
 
   app::TestFolder folder_{"run"};
@@ -84,6 +92,51 @@ TEST_F(Runs, PutAsideRenamesTheFileOfAnEarlierRunAlone) {
   EXPECT_TRUE(fs::exists(other));
   EXPECT_TRUE(fs::exists(extended.parent_path() / "folder.toml"));
   EXPECT_NE(said_.str().find("it is extended_before.toml now"), std::string::npos) << said_.str();
+}
+
+// Another state of the study replaces the result. What it does not write itself would stand beside
+// the new one: an animation of modes that are no more.
+TEST_F(Runs, WhatStoodBesideAReplacedResultIsPutAside) {
+  const auto leave = [](show::Run& run) { run.leave("modes.json", {}, false); };
+  with_run(leave);
+  const auto animation = hour_old("modes.pvd", "<DataSet file=\"modes_00.vtu\"/>");
+  const auto frame = hour_old("modes_00.vtu", "frame"), other = hour_old("fit.png", "a fit");
+  const auto picture = hour_old("modes.png", "old"), channels = hour_old("channels.vtu", "old");
+  const auto out = animation.parent_path();
+  with_run(leave);  // the same state
+  for (const auto& file : {animation, frame, picture, channels}) EXPECT_TRUE(fs::exists(file));
+  EXPECT_EQ(said_.str(), "");
+  study_.sha256 = std::string(64, '0');
+  with_run([&](show::Run& run) {
+    leave(run);
+    std::ofstream(run / "channels.vtu") << "new";
+  });
+  for (const auto& file : {animation, frame, picture}) EXPECT_FALSE(fs::exists(file)) << file;
+  EXPECT_EQ(read_whole(out / "modes_before.pvd"), "<DataSet file=\"modes_before_00.vtu\"/>");
+  EXPECT_EQ(read_whole(out / "modes_before_00.vtu"), "frame");
+  EXPECT_EQ(read_whole(out / "modes_before.png"), "old");
+  EXPECT_EQ(read_whole(channels), "new");
+  EXPECT_FALSE(fs::exists(out / "channels_before.vtu"));
+  EXPECT_TRUE(fs::exists(other));  // its result was not replaced
+  EXPECT_NE(said_.str().find("is now modes_before.pvd, modes_before.png"), std::string::npos)
+      << said_.str();
+}
+
+// `compare` and `diagnose` both paint the MAC.
+TEST_F(Runs, WhatAPresentResultOwnsStays) {
+  const auto leave = [&](const std::string& file) {
+    with_run([&](show::Run& run) { run.leave(file, {}, false); });
+  };
+  leave("diagnosis.json");
+  study_.sha256 = std::string(64, '0');
+  leave("comparison.json");
+  const auto mac = hour_old("mac.png", "of the comparison");
+  leave("diagnosis.json");
+  EXPECT_TRUE(fs::exists(mac));
+  study_.sha256 = std::string(64, '1');
+  leave("diagnosis.json");
+  EXPECT_FALSE(fs::exists(mac));
+  EXPECT_TRUE(fs::exists(mac.parent_path() / "mac_before.png"));
 }
 
 // An extended study that is diagnosed again, into the folder where it lies.
