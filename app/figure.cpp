@@ -1,4 +1,6 @@
 // chladni figure RESULTS: figures for a paper from results that are there.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <ostream>
 
@@ -17,6 +19,15 @@ bool has_format(const Figures& asked, const char* format) {
 }  // namespace
 
 int figure(const Figures& asked, std::ostream& results) {
+  require(40.0 <= asked.width_mm && asked.width_mm <= 400.0,
+          fmt::format("a figure of {:.6g} mm; expected a width of 40 to 400 mm", asked.width_mm));
+  require(50.0 <= asked.dpi && asked.dpi <= 1200.0,
+          fmt::format("{:.6g} pixels per inch; expected 50 to 1200", asked.dpi));
+  for (const auto& format : asked.formats) {
+    require(format == "svg" || format == "png",
+            "the format \"" + format + "\" is not known; expected svg or png");
+  }
+  require(!asked.formats.empty(), "no format is asked for; expected svg, png or both");
   const show::FiguresWanted wanted{.folder = show::results_folder(asked.results),
                                    .output = asked.output,
                                    .names = asked.names,

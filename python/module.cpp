@@ -124,4 +124,5 @@ PYBIND11_MODULE(_chladni, module) {
   add_compare_step(module);
   add_experiment_step(module);
   add_sweep(module);
+  add_figure(module);
 }

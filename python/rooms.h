@@ -21,6 +21,7 @@ void add_observer_step(pybind11::module_& module);
 void add_compare_step(pybind11::module_& module);
 void add_experiment_step(pybind11::module_& module);
 void add_sweep(pybind11::module_& module);
+void add_figure(pybind11::module_& module);
 
 /// The program chladni of this module's build tree or prefix, or else on the PATH.
 /// @throws WorkerDied  there is none

@@ -17,7 +17,7 @@ namespace chladni::show {
 /// comparison.json
 [[nodiscard]] io::JsonObject compared_json(const steps::StudyComparison& comparison);
 
-/// comparison.json; of responses also responses.png, errors.png and mac.png
+/// comparison.json; of responses also responses.png with responses_curves.json, errors.png, mac.png
 void leave_compared(const steps::StudyComparison& comparison, Run& run);
 
 }  // namespace chladni::show

@@ -33,10 +33,12 @@ void draw_responses(const io::PictureFile& png, const modal::FrfSet& measured,
                     const std::function<bool(Eigen::Index i, Eigen::Index j)>& seen = {});
 
 /// The same for the page, with phases and errors; those with the largest errors first.
+/// @param bytes  as of response_curves
 [[nodiscard]] io::Curves compared_responses(
     const modal::FrfSet& measured, const std::vector<Eigen::MatrixXcd>& before,
     const std::vector<Eigen::MatrixXcd>& after = {},
-    const std::function<bool(Eigen::Index i, Eigen::Index j)>& seen = {});
+    const std::function<bool(Eigen::Index i, Eigen::Index j)>& seen = {},
+    std::size_t bytes = 300'000);
 
 /// The MAC of simulated against measured modes. Nothing if no mode was compared.
 [[nodiscard]] io::MatrixPicture mac_picture(const diagnosis::Comparison& comparison);

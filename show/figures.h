@@ -32,7 +32,7 @@ struct FolderFigure {
 struct FiguresWanted {
   std::filesystem::path folder;    ///< of the results
   std::filesystem::path output;    ///< folder to write to; empty: the same
-  std::vector<std::string> names;  ///< empty: all that can be drawn
+  std::vector<std::string> names;  ///< empty: all that can be drawn; "fit:s1/a2": one response
   io::Print print;
 };
 

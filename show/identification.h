@@ -48,7 +48,9 @@ void leave_detection_lines(const steps::IdentifiedModel& model, Run& run);
 void draw_fit(const steps::IdentifiedModel& model, const io::PictureFile& png);
 
 /// The same for the page, with phases and errors.
-[[nodiscard]] io::Curves fitted_curves(const steps::IdentifiedModel& model);
+/// @param bytes  as of response_curves
+[[nodiscard]] io::Curves fitted_curves(const steps::IdentifiedModel& model,
+                                       std::size_t bytes = 300'000);
 
 /// Poles of rising order; the modes of the fit are dashed. The picture has the mode indicator
 /// beneath, where there are several channels on both sides.
@@ -56,7 +58,8 @@ void draw_fit(const steps::IdentifiedModel& model, const io::PictureFile& png);
 void draw_stabilisation(const steps::IdentifiedModel& model, const io::PictureFile& png);
 
 /// identified.json, identified.mat (all places), identified_shapes.csv, the files of
-/// leave_control_models, fit.png and, where it was asked for, stabilisation.png
+/// leave_control_models, fit.png with fit_curves.json and, where it was asked for,
+/// stabilisation.png
 void leave_identification(const study::Study& study, const steps::IdentifiedModel& model, Run& run,
                           bool main_result);
 

@@ -35,6 +35,12 @@ struct Readable {
   return {1.0, unit == "1" ? "" : std::string(unit)};
 }
 
+/// Two digits, or all before the point: "0.12", "9.8", "200" instead of "2e+02".
+[[nodiscard]] inline std::string two_digits(double value) {
+  const double size = std::abs(value);
+  return size >= 99.5 && size < 1e6 ? fmt::format("{:.0f}", value) : fmt::format("{:.2g}", value);
+}
+
 /// "1 sensor", "2 sensors".
 [[nodiscard]] inline std::string how_many(std::ptrdiff_t count, std::string_view thing) {
   return fmt::to_string(count) + " " + std::string(thing) + (count == 1 ? "" : "s");

@@ -12,9 +12,9 @@ from ._chladni import (BestLayout, BestPair, Channel, Channels, ChladniWarning, 
                        OutOfResources, Placement, PlacementPlan, Places, Priors, Record, Recordings,
                        ResponseField, Result, Simulation, Sites, SpecimensDiagnosis, StateSpace,
                        Structure, Study, StudyField, WorkerDied, __version__, best_layouts,
-                       best_pairs, blas_kernel, compare, diagnose, experiment, gather, identify,
-                       interpolate, interpolations, layout_score, mac, mode_field, modes, observe,
-                       place, priors, read_frf, read_time, response_field, set_thread_count,
+                       best_pairs, blas_kernel, compare, diagnose, experiment, figure, gather,
+                       identify, interpolate, interpolations, layout_score, mac, mode_field, modes,
+                       observe, place, priors, read_frf, read_time, response_field, set_thread_count,
                        sweep, thread_count, write_frf, write_time)
 from ._progress import Bar
 from ._results import Cause, Experiment, Quantity, Sparse, simulate, to_pandas

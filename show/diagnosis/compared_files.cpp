@@ -6,6 +6,7 @@
 #include "base/percent.h"
 #include "show/compared.h"
 #include "show/comparison.h"
+#include "show/figures/stored_curves.h"
 
 namespace chladni::show {
 namespace {
@@ -65,6 +66,9 @@ void leave_compared(const steps::StudyComparison& one, Run& run) {
   }
   run.paint("responses.png", [&](const auto& png) {
     draw_responses(png, one.measured.all, one.predictions.before);
+  });
+  leave_curves(run, "responses_curves.json", [&] {
+    return compared_responses(one.measured.all, one.predictions.before, {}, {}, kStoredCurvesBytes);
   });
   run.paint("errors.png", [&](const auto& png) { draw_errors(png, one.comparison); });
   run.paint("mac.png", [&](const auto& png) { draw_mac(png, one.comparison); });

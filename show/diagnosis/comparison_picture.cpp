@@ -117,6 +117,7 @@ void draw_responses(const io::PictureFile& png, const modal::FrfSet& measured,
     if (!after.empty()) {
       panel.series.push_back(line("with the causes", f, response(after, i, j).cwiseAbs(), kBlue));
     }
+    range_by_curves(panel);
     plot.panels.push_back(std::move(panel));
   }
   require(!plot.panels.empty(), "responses over each other: nothing was measured");
@@ -126,7 +127,8 @@ void draw_responses(const io::PictureFile& png, const modal::FrfSet& measured,
 io::Curves compared_responses(const modal::FrfSet& measured,
                               const std::vector<Eigen::MatrixXcd>& before,
                               const std::vector<Eigen::MatrixXcd>& after,
-                              const std::function<bool(Eigen::Index i, Eigen::Index j)>& seen) {
+                              const std::function<bool(Eigen::Index i, Eigen::Index j)>& seen,
+                              std::size_t bytes) {
   std::vector<Prediction> predictions{{"simulated", kVermilion}};
   if (!after.empty()) predictions.push_back({"with the causes", kBlue});
   std::vector<OneResponse> all;
@@ -148,7 +150,7 @@ io::Curves compared_responses(const modal::FrfSet& measured,
     labels.push_back(label_of(measured, i, j));
   }
   const auto label = common_label(labels, all);
-  return response_curves(measured.frequency_hz, predictions, std::move(all), label);
+  return response_curves(measured.frequency_hz, predictions, std::move(all), label, bytes);
 }
 
 io::MatrixPicture mac_picture(const diagnosis::Comparison& comparison) {

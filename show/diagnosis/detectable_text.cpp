@@ -34,7 +34,7 @@ bool has_size(const Range& one) { return !one.worst->parameter.empty(); }
 std::string size_text(const Detectable& one) {
   if (!std::isfinite(one.size)) return "never";
   const auto [scale, unit] = readable(one.parameter, one.unit, one.size);
-  return fmt::format("{:.2g}{}{}", scale * one.size, unit.empty() ? "" : " ", unit);
+  return two_digits(scale * one.size) + (unit.empty() ? "" : " ") + unit;
 }
 
 std::string where_text(const Detectable& one) {

@@ -12,6 +12,7 @@
 #include "show/comparison.h"
 #include "show/diagnosis.h"
 #include "show/diagnosis/errors_told.h"
+#include "show/figures/stored_curves.h"
 #include "stage/diagnosis_faces.h"
 #include "steps/diagnosis.h"
 
@@ -133,6 +134,10 @@ void leave_diagnosis(const study::Study& study, const steps::Diagnosed& one, Run
   const auto seen = [&](Index i, Index j) { return is_fitted(one, i, j); };
   run.paint("prediction.png", [&](const auto& png) {
     draw_responses(png, one.measured.all, one.predictions.before, after, seen);
+  });
+  leave_curves(run, "prediction_curves.json", [&] {
+    return compared_responses(one.measured.all, one.predictions.before, after, seen,
+                              kStoredCurvesBytes);
   });
   run.paint("errors_over_frequency.png",
             [&](const auto& png) { draw_errors_over_frequency(png, one.errors); });

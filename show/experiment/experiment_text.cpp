@@ -58,7 +58,7 @@ std::string multisine_text(const study::Study& study,
         design.flat_seconds / design.shaped_seconds);
   }
   if (const double spare = spare_force(design); spare > kWorthSaying) {
-    text += fmt::format("forces {:.2g} times lower would still give what is wanted\n", spare);
+    text += "forces " + two_digits(spare) + " times lower would still give what is wanted\n";
   }
   const bool by_force = std::ranges::any_of(
       design.forces, [](const auto& force) { return !force.limited_by_stroke; });
@@ -202,11 +202,11 @@ std::string experiment_verdict(const study::Study& study,
                        wanted_text(*study.design), fmt::join(missed, "; "));
   }
   const double minutes = designed.duration_s() / 60.0;
-  return fmt::format("{} of measuring {} {} {} to {}{}",
+  return fmt::format("{} of measuring {} {}{} to {}{}",
                      minutes < 1.5 ? fmt::format("{:.0f} seconds", designed.duration_s())
                                    : fmt::format("{:.3g} minutes", minutes),
                      modes.size() == 1 ? "give the mode" : "give every mode", band,
-                     modes.size() > 1 ? fmt::format("(of {})", modes.size()) : "",
+                     modes.size() > 1 ? fmt::format(" (of {})", modes.size()) : "",
                      wanted_text(*study.design),
                      missed.empty() ? "" : fmt::format(", but {}", fmt::join(missed, "; ")));
 }

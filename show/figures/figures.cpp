@@ -81,11 +81,42 @@ std::string of_another_version(const io::Json& content) {
   return fmt::format("; it is of Chladni {}, and this is {}: run its verb again", written, own);
 }
 
-// Why the data do not make the figure; empty: they do, and it is drawn if that is wanted.
-std::string fault_of(const StoredFigure& figure, const Path& file, const io::Json& content,
-                     const io::PictureFile& picture) {
-  try {
+/// What a name asks for: "mac", or "fit:s1/a2", a part of a figure.
+struct Asked {
+  std::string figure, part;
+};
+
+Asked asked_by(const std::string& name) {
+  const auto colon = name.find(':');
+  if (colon == std::string::npos) return {name, ""};
+  return {name.substr(0, colon), name.substr(colon + 1)};
+}
+
+// Of the files: "fit_s1_a2". Letters that a name of a file should not have become '-'.
+std::string file_stem(const Asked& asked) {
+  auto part = asked.part;
+  std::ranges::replace(part, '/', '_');
+  std::ranges::replace_if(
+      part,
+      [](char c) { return std::string_view(" \\:*?\"<>|").find(c) != std::string_view::npos; },
+      '-');
+  return asked.figure + (part.empty() ? "" : "_" + part);
+}
+
+void draw_stored(const StoredFigure& figure, const std::string& part, const Path& file,
+                 const io::Json& content, const io::PictureFile& picture) {
+  if (part.empty()) {
     figure.draw(file, content, picture);
+  } else {
+    figure.draw_part(content, part, picture);
+  }
+}
+
+// Why the data do not make the figure; empty: they do, and it is drawn if that is wanted.
+std::string fault_of(const StoredFigure& figure, const std::string& part, const Path& file,
+                     const io::Json& content, const io::PictureFile& picture) {
+  try {
+    draw_stored(figure, part, file, content, picture);
     return "";
   } catch (const InvalidInput& fault) {
     const std::string reason = fault.what();
@@ -101,6 +132,7 @@ struct Found {
   FolderFigure figure;
   const StoredFigure* drawn = nullptr;      ///< null: nothing is stored
   std::shared_ptr<const io::Json> content;  ///< of the file; null: nothing is stored
+  std::string part = {};                    ///< "s1/a2"; empty: all of it
 };
 
 // The files of a folder, each read once.
@@ -130,7 +162,7 @@ std::optional<Found> found_figure(const StoredFigure& figure, const Path& folder
   for (const auto& name : figure.files) {
     auto content = files.content(name);
     if (!content) continue;
-    const auto reason = fault_of(figure, folder / name, *content, nowhere);
+    const auto reason = fault_of(figure, "", folder / name, *content, nowhere);
     if (!one || reason.empty()) {
       one = {{std::string(figure.name), std::string(figure.meaning), name, reason, {}},
              &figure,
@@ -151,6 +183,8 @@ std::vector<Found> found_in(const Path& folder, const io::Print& print) {
   }
   for (const auto& picture : kBound) {
     if (!is_file(folder / (std::string(picture.name) + ".png"))) continue;
+    const auto is_it = [&](const Found& one) { return one.figure.name == picture.name; };
+    if (std::ranges::any_of(all, is_it)) continue;
     const auto reason =
         fmt::format("{}; `chladni {} STUDY --svg` draws it", picture.reason, picture.verb);
     all.push_back({{std::string(picture.name), "", {}, reason, {}}, nullptr, {}});
@@ -165,41 +199,77 @@ void require_drawable(const std::vector<std::string>& names, const std::vector<F
   std::vector<std::string> known;
   for (const auto& one : all) known.push_back(one.figure.name);
   for (const auto& name : names) {
-    const auto found = std::ranges::find(known, name);
+    const auto found = std::ranges::find(known, asked_by(name).figure);
     require(
         found != known.end(),
         fmt::format("{}: there is no figure \"{}\"; {}", folder.string(), name,
                     known.empty() ? "there is none at all" : "expected " + study::listed(known)));
-    const auto& figure = all[static_cast<std::size_t>(found - known.begin())].figure;
-    require(figure.reason.empty(),
-            fmt::format("{}: \"{}\" cannot be drawn: {}", folder.string(), name, figure.reason));
+    const auto& one = all[static_cast<std::size_t>(found - known.begin())];
+    const bool is_part = name.find(':') != std::string::npos && one.drawn != nullptr;
+    require(
+        is_part || one.figure.reason.empty(),
+        fmt::format("{}: \"{}\" cannot be drawn: {}", folder.string(), name, one.figure.reason));
+    require(!is_part || one.drawn->draw_part != nullptr,
+            fmt::format("{}: \"{}\" has no parts; expected \"{}\"", folder.string(),
+                        one.figure.name, one.figure.name));
   }
+}
+
+// @throws InvalidInput  there is no such part
+Found part_of(Found whole, const Asked& asked, const Path& folder, const io::Print& print) {
+  whole.part = asked.part;
+  whole.figure.name = file_stem(asked);
+  whole.figure.reason.clear();  // of all of it: that may be too large
+  const io::PictureFile nowhere(Path(), nullptr, print);
+  const auto fault =
+      fault_of(*whole.drawn, whole.part, folder / whole.figure.from, *whole.content, nowhere);
+  require(fault.empty(), fmt::format("{}: \"{}:{}\" cannot be drawn: {}", folder.string(),
+                                     asked.figure, asked.part, fault));
+  return whole;
+}
+
+// All, or those with the names, each once, in the order of `all`.
+std::vector<Found> chosen_of(const std::vector<std::string>& names, const std::vector<Found>& all,
+                             const Path& folder, const io::Print& print) {
+  if (names.empty()) return all;
+  std::vector<Found> chosen;
+  for (const auto& one : all) {
+    for (const auto& name : names) {
+      const auto asked = asked_by(name);
+      const auto stem = file_stem(asked);
+      const auto is_it = [&](const Found& other) { return other.figure.name == stem; };
+      if (asked.figure != one.figure.name || std::ranges::any_of(chosen, is_it)) continue;
+      chosen.push_back(asked.part.empty() ? one : part_of(one, asked, folder, print));
+    }
+  }
+  return chosen;
 }
 
 // A resolution that is too high for one figure is refused for all: no half of them is left.
 // @throws InvalidInput  only the PNG of a figure cannot be made
-void require_paintable(const std::vector<const Found*>& wanted, const Path& folder,
+void require_paintable(const std::vector<Found>& wanted, const Path& folder,
                        const io::Print& print) {
   auto lines = print;
   lines.png = false;
-  for (const auto* one : wanted) {
-    const auto& figure = one->figure;
-    if (figure.reason.empty() || one->drawn == nullptr) continue;
+  for (const auto& one : wanted) {
+    const auto& figure = one.figure;
+    if (figure.reason.empty() || one.drawn == nullptr) continue;
     const io::PictureFile nowhere(Path(), nullptr, lines);
-    const auto other = fault_of(*one->drawn, folder / figure.from, *one->content, nowhere);
+    const auto other = fault_of(*one.drawn, one.part, folder / figure.from, *one.content, nowhere);
     require(!other.empty(), fmt::format("{}: \"{}\" cannot be drawn: {}", folder.string(),
                                         figure.name, figure.reason));
   }
 }
 
 // Draws into `output`: all SVGs before the first PNG, which a painter can fail to make.
-void draw(const std::vector<const Found*>& all, const Path& folder, const Path& output,
+void draw(const std::vector<Found>& all, const Path& folder, const Path& output,
           const io::Print& print) {
   const auto leave = [&](const io::Print& format) {
-    for (const auto* one : all) {
-      if (!one->figure.reason.empty()) continue;
-      const auto png = output / (one->figure.name + ".png");
-      one->drawn->draw(folder / one->figure.from, *one->content, {png, nullptr, format});
+    for (const auto& one : all) {
+      if (!one.figure.reason.empty()) continue;
+      const auto png = output / (one.figure.name + ".png");
+      draw_stored(*one.drawn, one.part, folder / one.figure.from, *one.content,
+                  {png, nullptr, format});
     }
   };
   auto only = print;
@@ -242,20 +312,15 @@ std::vector<FolderFigure> figures_in(const std::filesystem::path& folder, const 
 std::vector<FolderFigure> draw_figures(const FiguresWanted& wanted) {
   const auto all = found_in(wanted.folder, wanted.print);
   require_drawable(wanted.names, all, wanted.folder);
-  std::vector<const Found*> chosen;
-  for (const auto& one : all) {
-    if (wanted.names.empty() || std::ranges::count(wanted.names, one.figure.name) > 0) {
-      chosen.push_back(&one);
-    }
-  }
+  const auto chosen = chosen_of(wanted.names, all, wanted.folder, wanted.print);
   require_paintable(chosen, wanted.folder, wanted.print);
-  require(std::ranges::any_of(all, [](const Found& one) { return one.figure.reason.empty(); }),
+  require(std::ranges::any_of(chosen, [](const Found& one) { return one.figure.reason.empty(); }),
           wanted.folder.string() + ": no figure can be drawn from what is there" + reasons_of(all));
   const OutputFolder output(wanted.output.empty() ? wanted.folder : wanted.output);
   draw(chosen, wanted.folder, output.path(), wanted.print);
   std::vector<FolderFigure> figures;
-  for (const auto* one : chosen) {
-    auto& figure = figures.emplace_back(one->figure);
+  for (const auto& one : chosen) {
+    auto& figure = figures.emplace_back(one.figure);
     if (!figure.reason.empty()) continue;
     if (wanted.print.svg) figure.files.push_back(figure.name + ".svg");
     if (wanted.print.png) figure.files.push_back(figure.name + ".png");

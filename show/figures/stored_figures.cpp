@@ -13,6 +13,7 @@
 #include "io/plot.h"
 #include "show/comparison.h"
 #include "show/diagnosis/errors_told.h"
+#include "show/figures/stored_curves.h"
 #include "show/identification.h"
 #include "steps/diagnosis.h"
 
@@ -210,6 +211,16 @@ void draw_stored_stabilisation(const Path& /*file*/, const io::Json& content,
   io::draw_plot(picture, stabilisation_plot(model));
 }
 
+void draw_stored_magnitudes(const Path& /*file*/, const io::Json& content,
+                            const io::PictureFile& picture) {
+  io::draw_plot(picture, magnitudes_plot(stored_curves(content)));
+}
+
+void draw_stored_response(const io::Json& content, std::string_view pair,
+                          const io::PictureFile& picture) {
+  io::draw_plot(picture, response_plot(stored_curves(content), pair));
+}
+
 constexpr auto kCompared = "comparison.json";
 constexpr auto kDiagnosed = "diagnosis.json";
 
@@ -227,6 +238,21 @@ const std::array kStored{
                  draw_stored_errors_over_frequency},
     StoredFigure{
         "stabilisation", "poles of rising order", {"identified.json"}, draw_stored_stabilisation},
+    StoredFigure{"fit",
+                 "measured and fitted responses; \"fit:s1/a2\": one, with its phase",
+                 {"fit_curves.json"},
+                 draw_stored_magnitudes,
+                 draw_stored_response},
+    StoredFigure{"responses",
+                 "measured and simulated responses; \"responses:s1/a2\": one, with its phase",
+                 {"responses_curves.json"},
+                 draw_stored_magnitudes,
+                 draw_stored_response},
+    StoredFigure{"prediction",
+                 "the same, with the causes; \"prediction:s1/a2\": one, with its phase",
+                 {"prediction_curves.json"},
+                 draw_stored_magnitudes,
+                 draw_stored_response},
 };
 
 }  // namespace

@@ -20,6 +20,9 @@ struct StoredFigure {
   /// @throws InvalidInput  the data of this figure are not in it
   void (*draw)(const std::filesystem::path& file, const io::Json& content,
                const io::PictureFile& picture);
+  /// Likewise of one "sensor/actuator"; null: this figure has no parts.
+  void (*draw_part)(const io::Json& content, std::string_view part,
+                    const io::PictureFile& picture) = nullptr;
 };
 
 /// All of them. A new figure needs one line there.

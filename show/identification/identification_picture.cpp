@@ -142,7 +142,7 @@ void draw_fit(const steps::IdentifiedModel& model, const io::PictureFile& png) {
   io::draw_plot(png, fit_plot(model));
 }
 
-io::Curves fitted_curves(const steps::IdentifiedModel& model) {
+io::Curves fitted_curves(const steps::IdentifiedModel& model, std::size_t bytes) {
   const auto& data = model.data;
   const Eigen::MatrixXcd fitted = identification::responses(model.found.fit, data.frequency_hz);
   std::vector<OneResponse> all;
@@ -164,7 +164,7 @@ io::Curves fitted_curves(const steps::IdentifiedModel& model) {
   }
   require(!all.empty(), "curves of the fit: nothing was measured");
   const auto label = common_label(labels, all);
-  return response_curves(data.frequency_hz, {{"fitted", kBlueLine}}, std::move(all), label);
+  return response_curves(data.frequency_hz, {{"fitted", kBlueLine}}, std::move(all), label, bytes);
 }
 
 io::Plot stabilisation_plot(const steps::IdentifiedModel& model) {

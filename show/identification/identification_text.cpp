@@ -10,6 +10,7 @@
 #include "io/shape_table.h"
 #include "modal/state_space.h"
 #include "show/control_models.h"
+#include "show/figures/stored_curves.h"
 #include "show/identification.h"
 #include "show/modes_uff.h"
 #include "show/readable.h"
@@ -367,6 +368,7 @@ void leave_identification(const study::Study& study, const steps::IdentifiedMode
   leave_modes_uff(study, model, run);
   if (run.options().pictures) tell(run.progress(), "drawing");
   run.paint("fit.png", [&](const auto& png) { draw_fit(model, png); });
+  leave_curves(run, "fit_curves.json", [&] { return fitted_curves(model, kStoredCurvesBytes); });
   run.paint("stabilisation.png", [&](const auto& png) {
     if (!model.stabilisation.empty()) draw_stabilisation(model, png);
   });

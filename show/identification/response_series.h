@@ -2,9 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
+#include "io/plot.h"
 #include "modal/frf_set.h"
 
 namespace chladni::show {
@@ -37,6 +40,23 @@ inline constexpr double kBandAlong = 1.3859;
                                                 const modal::MeasuredChannel& input) {
   if (output.unit.empty()) return "|response|";
   return "|response| [" + output.unit + "/" + (input.unit.empty() ? "N" : input.unit) + "]";
+}
+
+/// Lets the y axis of magnitudes go from half of the smallest to twice the largest value of its
+/// curves. The lower edge of a band of what is all noise would lie decades below them.
+inline void range_by_curves(io::PlotPanel& panel) {
+  double least = HUGE_VAL, most = 0.0;
+  for (const auto& series : panel.series) {
+    if (series.style == io::PlotSeries::Style::band) continue;
+    for (const double y : series.y) {
+      if (!(y > 0.0) || !std::isfinite(y)) continue;
+      least = std::min(least, y);
+      most = std::max(most, y);
+    }
+  }
+  if (!(most > 0.0)) return;
+  panel.y.low = 0.5 * least;
+  panel.y.high = 2.0 * most;
 }
 
 }  // namespace chladni::show

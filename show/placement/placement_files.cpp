@@ -7,6 +7,7 @@
 #include "io/heat_map_picture.h"
 #include "show/placement.h"
 #include "show/placement/placement_words.h"
+#include "show/readable.h"
 
 namespace chladni::show {
 namespace {
@@ -79,16 +80,18 @@ io::LayoutsPicture layouts_picture(const study::Study& study, const steps::BestP
     if (off.size() > 0) largest = std::max(largest, off.maxCoeff());
   }
   picture.lightest = "0";
-  picture.darkest = fmt::format("{:.2g} {}", field.factor * largest, field.unit);
+  picture.darkest = two_digits(field.factor * largest) + " " + field.unit;
+  if (!(largest > 0.0)) largest = 1.0;  // all is known: light
   for (const auto& layout : places.layouts) {
     const Eigen::VectorXd& off = layout.*field.deviation;
     if (off.size() == 0) continue;
     const double mean =
         std::sqrt(off.cwiseAbs2().dot(places.surface.sites.area) / places.surface.sites.area.sum());
-    picture.panels.push_back({layout.name,
-                              fmt::format("mean {:.2g} {}, worst {:.2g} {}", field.factor * mean,
-                                          field.unit, field.factor * off.maxCoeff(), field.unit),
-                              (1.0 - (off / largest).array().sqrt()).matrix(), layout.markers});
+    picture.panels.push_back(
+        {layout.name,
+         fmt::format("mean {} {}, worst {} {}", two_digits(field.factor * mean), field.unit,
+                     two_digits(field.factor * off.maxCoeff()), field.unit),
+         (1.0 - (off / largest).array().sqrt()).matrix(), layout.markers});
   }
   return picture;
 }

@@ -1,8 +1,12 @@
 // Figures for a paper from results that are there.
 #include <algorithm>
+#include <cmath>
+#include <complex>
 #include <cstdint>
 
 #include "io/json.h"
+#include "show/figures/stored_curves.h"
+#include "show/identification/response_curves.h"
 #include "show/version.h"
 #include "tests/app/program.h"
 
@@ -34,6 +38,105 @@ class FigureVerb : public CommandLine {
   }
 };
 
+/// Two responses of a mode at 100 Hz, of which the second is measured with a band.
+io::Curves two_responses() {
+  const Eigen::VectorXd hz = Eigen::VectorXd::LinSpaced(200, 50.0, 150.0);
+  const auto response = [&](double scale) -> Eigen::VectorXcd {
+    return hz.cast<std::complex<double>>().unaryExpr([&](std::complex<double> f) {
+      return scale * 1e-6 / (1e4 - f * f + std::complex<double>(0.0, 200.0));
+    });
+  };
+  std::vector<show::OneResponse> all{{"s1 by a1", response(1.0), {}, {response(1.1)}},
+                                     {"s2 by a1", response(-2.0), {}, {response(-1.0)}}};
+  all[1].deviation = 0.05 * response(2.0).cwiseAbs();
+  return show::response_curves(hz, {{"fitted", 1}}, all, "receptance [m/N]");
+}
+
+TEST_F(FigureVerb, StoredCurvesAreTheSame) {
+  const auto curves = two_responses();
+  const auto again = show::stored_curves(io::parse_json(io::text(show::curves_json(curves))));
+  EXPECT_EQ(again.axis.label, "frequency [Hz]");
+  ASSERT_EQ(again.choices.size(), 2U);
+  EXPECT_EQ(again.choices[0].name, "s2 by a1, off by 50 %");
+  for (std::size_t c = 0; c < 2; ++c) {
+    ASSERT_EQ(again.choices[c].y.size(), curves.choices[c].y.size());
+    for (std::size_t k = 0; k < curves.choices[c].y.size(); ++k) {
+      const auto& y = curves.choices[c].y[k];
+      ASSERT_EQ(again.choices[c].y[k].size(), y.size());
+      EXPECT_TRUE(y.size() == 0 || again.choices[c].y[k].isApprox(y, 1e-6));
+    }
+  }
+}
+
+// Axes with units and levels, the band, a legend; the worst response first.
+TEST_F(FigureVerb, ResponsesAreDrawnFromTheirCurves) {
+  leave_comparison("out");
+  auto json = show::curves_json(two_responses());
+  json.emplace_back("chladni", show::version());
+  write("out/fit_curves.json", io::text(json));
+  write("out/fit.png", "of the verb");
+  const auto done = run({"figure", "out", "fit", "fit:s2/a1", "--format", "svg", "-o", "paper"});
+  ASSERT_EQ(done.status, 0) << done.err;
+  EXPECT_EQ(left("paper"), (std::vector<std::string>{"fit.svg", "fit_s2_a1.svg"}));
+  const auto all = whole(folder_ / "paper/fit.svg");
+  for (const auto* words : {"s1 by a1", "s2 by a1", "receptance [m/N]", "frequency [Hz]",
+                            "95 % band", "measured", "fitted", ">100<"}) {
+    EXPECT_TRUE(says(all, words));
+  }
+  EXPECT_FALSE(says(all, "phase"));
+  EXPECT_FALSE(says(all, "off by"));
+  const auto one = whole(folder_ / "paper/fit_s2_a1.svg");
+  for (const auto* words : {"s2 by a1", "phase [deg]", "receptance [m/N]", "95 % band"}) {
+    EXPECT_TRUE(says(one, words));
+  }
+  EXPECT_FALSE(says(one, "s1 by a1"));
+  // What is not known has no band.
+  ASSERT_EQ(run({"figure", "out", "fit:s1/a1", "--format", "svg", "-o", "paper"}).status, 0);
+  EXPECT_FALSE(says(whole(folder_ / "paper/fit_s1_a1.svg"), "95 % band"));
+  const auto list = run({"figure", "out", "--list"});
+  EXPECT_FALSE(says(list.out, "its curves are not stored"));
+}
+
+TEST_F(FigureVerb, APartThatIsNotThereIsRefused) {
+  leave_comparison("out");
+  write("out/fit_curves.json", io::text(show::curves_json(two_responses())));
+  const auto other = run({"figure", "out", "fit:s3/a1"});
+  EXPECT_EQ(other.status, 3);
+  EXPECT_TRUE(says(other.err, R"(no curves of "s3/a1"; expected "s2/a1" or "s1/a1")"));
+  EXPECT_TRUE(says(run({"figure", "out", "fit:s2"}).err, R"("s2" is no response; expected)"));
+  EXPECT_TRUE(says(run({"figure", "out", "mac:s1/a1"}).err, R"("mac" has no parts)"));
+  auto text = whole(folder_ / "out/fit_curves.json");
+  text.replace(text.find("\"band\""), 6, "\"line\"");
+  write("out/fit_curves.json", text);
+  EXPECT_TRUE(says(run({"figure", "out", "fit"}).err, "curves, expected"));
+}
+
+TEST_F(FigureVerb, ALongNameHasTheWholeWidth) {
+  auto curves = two_responses();
+  EXPECT_EQ(show::magnitudes_plot(curves).columns, 0);
+  curves.choices[1].name = "accelerometer_upper_left by a1, off by 10 %";
+  const auto plot = show::magnitudes_plot(curves);
+  EXPECT_EQ(plot.columns, 1);
+  EXPECT_EQ(plot.panels[1].title, "accelerometer_upper_left by a1");
+}
+
+// A phase that passes 180 degrees is no line from one end of the axis to the other.
+TEST_F(FigureVerb, APhaseJumpsWithoutALine) {
+  io::Curves curves = two_responses();
+  for (auto& y : curves.choices[0].y) {
+    if (y.size() > 0) y.setLinSpaced(200, 1.0, 170.0);
+  }
+  const auto smooth = show::response_plot(curves, "s2/a1");
+  EXPECT_EQ(smooth.panels[1].series.back().y.size(), 200);
+  curves.choices[0].y[5].tail(100).array() -= 360.0;  // fitted: behind band, two sizes, one phase
+  const auto jumps = show::response_plot(curves, "s2/a1");
+  const auto& phase = jumps.panels[1].series.back();
+  EXPECT_EQ(phase.name, "fitted");
+  ASSERT_EQ(phase.y.size(), 201);
+  EXPECT_EQ(phase.x.size(), 201);
+  EXPECT_TRUE(std::isnan(phase.y(100)));
+}
+
 TEST_F(FigureVerb, WhatIsStoredIsDrawnForPaper) {
   leave_comparison("out");
   const auto done = run({"figure", "out", "--width", "88", "--dpi", "300"});
@@ -45,7 +148,7 @@ TEST_F(FigureVerb, WhatIsStoredIsDrawnForPaper) {
     ASSERT_GT(png.size(), 60U) << name;
     EXPECT_NEAR(word(png, 16), 88.0 / 25.4 * 300.0, 1.0) << name;
     EXPECT_EQ(png.substr(37, 4), "pHYs");
-    EXPECT_EQ(word(png, 41), 11811U);  // 300 pixels per inch, per metre
+    EXPECT_EQ(word(png, 41), 11811U);       // 300 pixels per inch, per metre
     EXPECT_EQ(word(png, 50), 0x78A53F76U);  // its checksum, by another program
   }
   const auto errors = whole(folder_ / "out/errors.svg");

@@ -327,6 +327,7 @@ class Files(unittest.TestCase):
         for verb in ("simulate", "identify", "interpolate", "compare", "observe"):
             self.all_agree(self.run_verb(verb, self.study))
         self.all_drawn(self.folder / "study/compare", {"frequency_errors", "mac", "errors"})
+        self.curves_agree()
         whole = self.folder / "whole.toml"
         whole.write_text(self.study.read_text().split("[diagnosis]")[0] + channels())
         self.all_agree(self.run_verb("study", whole), without={"diagnosis.json"})
@@ -355,6 +356,14 @@ class Files(unittest.TestCase):
         self.assertTrue(validator.is_valid(of_modes))
         self.assertFalse(validator.is_valid({"modes": [{"measured_hz": 1.0}]}))
         self.assertFalse(validator.is_valid({**of_modes, "band_hz": [1.0, 2.0]}))
+
+    def curves_agree(self):
+        """With its pictures a verb leaves their curves."""
+        out = self.folder / "study/drawn"
+        subprocess.run([CHLADNI, "compare", self.study, "-o", out, "--threads", "1"], capture_output=True, check=True)
+        curves = self.agrees(out / "responses_curves.json", "curves.json")
+        self.assertEqual([len(pane["series"]) for pane in curves["panes"]], [3, 2, 2])
+        self.all_drawn(out, {"frequency_errors", "mac", "errors", "responses"})
 
     def diagnosed_responses(self):
         study = self.folder / "believed.toml"

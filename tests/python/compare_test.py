@@ -88,6 +88,36 @@ class Compare(InFolder):
         self.assertEqual({key: saved[key] for key in mine}, mine)
         self.assertIn("MAC", str(self.compared))
 
+    def test_figures_are_drawn_from_what_it_leaves(self):
+        self.compared.save(self.folder / "drawn")
+        there = chladni.figure(self.folder / "drawn", draw=False)["figures"]
+        self.assertEqual({one["name"]: one["files"] for one in there},
+                         dict.fromkeys(("frequency_errors", "mac", "errors", "responses"), []))
+        told = chladni.figure(self.folder / "drawn", ["mac", "responses:s2/a2"],
+                              folder=self.folder / "paper", width_mm=88, formats=["svg"])
+        self.assertEqual([one["files"] for one in told["figures"]],
+                         [["mac.svg"], ["responses_s2_a2.svg"]])
+        svg = (self.folder / "paper" / "responses_s2_a2.svg").read_text()
+        for words in ('width="88mm"', "s2 by a2", "phase [deg]", "frequency [Hz]", "measured",
+                      "simulated"):
+            self.assertIn(words, svg)
+        stored = json.loads((self.folder / "drawn" / "responses_curves.json").read_text())
+        size = np.abs(self.compared.measured.value)
+        for one in stored["responses"]:
+            i, j = list(FIVE).index(one["name"][:2]), ["a1", "a2"].index(one["name"][6:8])
+            np.testing.assert_allclose(one["values"][2], size[:, i, j], rtol=1e-6)
+
+    def test_a_figure_that_cannot_be_meant_is_refused(self):
+        self.compared.save(self.folder / "refused")
+        for pattern, more in (("no figure \"mca\"", {"name": "mca"}),
+                              ("no curves of \"s9/a1\"", {"name": "responses:s9/a1"}),
+                              ("\"mac\" has no parts", {"name": "mac:s1/a1"}),
+                              ("width of 40 to 400 mm", {"width_mm": 8}),
+                              ("expected 50 to 1200", {"dpi": 5000}),
+                              ("\"pdf\" is not known", {"formats": ["pdf"]})):
+            with self.assertRaisesRegex(chladni.InvalidInput, pattern):
+                chladni.figure(self.folder / "refused", **more)
+
     def test_what_its_progress_raises_ends_it(self):
         def stop(step, part):
             raise KeyboardInterrupt(step)

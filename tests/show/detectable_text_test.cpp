@@ -41,6 +41,16 @@ TEST(DetectableSentence, SaysWhatTheStudysOwnThresholdMisses) {
   EXPECT_NE(show::detectable_table(between, 20.0).find("It may miss"), std::string::npos);
 }
 
+TEST(DetectableTable, HasNoExponentInASize) {
+  auto all = sizes(12.0);
+  for (auto& one : all) {
+    if (one.unit == "kg") one.size = 0.0998;
+  }
+  const auto table = show::detectable_table(all, 8.0);
+  EXPECT_NE(table.find("100 g"), std::string::npos) << table;
+  EXPECT_EQ(table.find("e+0"), std::string::npos) << table;
+}
+
 TEST(DetectableJson, SaysWhichUnit) {
   const io::Json json = show::detectable_json(sizes(12.0));
   EXPECT_EQ(json.array().back().at("option").string(), "inch taken for mm");

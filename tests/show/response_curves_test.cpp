@@ -57,6 +57,25 @@ TEST(ResponseCurves, ThoseThatAreMissedMostComeFirst) {
   EXPECT_EQ(curves.choices[2].name, "little, off by 1 %");
 }
 
+// The band of what is all noise begins at a thousandth of what was measured.
+TEST(ResponseCurves, TheAxisIsThatOfTheCurvesNotOfTheBand) {
+  io::PlotPanel panel;
+  const Eigen::Vector3d x(1.0, 2.0, 3.0), size(2e-8, 1e-8, 4e-8);
+  panel.series.push_back({.name = "95 % band",
+                          .x = x,
+                          .y = 1e-3 * size,
+                          .upper = 50.0 * size,
+                          .style = io::PlotSeries::Style::band});
+  range_by_curves(panel);
+  EXPECT_EQ(panel.y.low, panel.y.high) << "there is no curve";
+  panel.series.push_back({.name = "measured", .x = x, .y = size, .upper = {}});
+  panel.series.push_back(
+      {.name = "simulated", .x = x, .y = Eigen::Vector3d(NAN, 0.0, 6e-8), .upper = {}});
+  range_by_curves(panel);
+  EXPECT_DOUBLE_EQ(panel.y.low, 0.5e-8);
+  EXPECT_DOUBLE_EQ(panel.y.high, 12e-8);
+}
+
 TEST(ResponseCurves, SayWhatIsLeftOut) {
   std::vector<OneResponse> many;
   for (int r = 0; r < 30; ++r) many.push_back(resonance("r", 400, 1.0 + 0.01 * r));
