@@ -58,7 +58,7 @@ struct ModeConstants {
   double three_prior = 0.02;
   /// [1] Prior probability that a mode or a channel is not to be believed. Chosen.
   double disturbed_prior = 0.1;
-  /// [1] Power of the evidence beside learned errors. Seen: of 100 sound rigs 11 had a cause above
+  /// [1] Power of the evidence beside learned errors. Seen: of 50 sound rigs 8 had a cause above
   /// 0.9 at 1, none at 0.6.
   double evidence_power = 0.6;
   /// [1] Probability at which a cause of modes is named. Chosen.

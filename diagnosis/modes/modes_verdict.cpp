@@ -95,6 +95,13 @@ bool at_a_limit(const ModesProblem& problem, const ModesFit& fit) {
          problem.prior().width > 0.0;
 }
 
+// Frequencies that are left so far off are those of no model of this structure, whatever else fits.
+bool has_poor_frequencies(const ModesProblem& problem, const ModesFit& fit) {
+  const auto frequency = frequency_errors(fit);
+  return problem.prior().width > 0.0 && frequency.level > kConstants.real_frequency &&
+         frequency.determined >= kConstants.errors_of_a_level;
+}
+
 bool has_few_partners(const ModesFit& fit) {
   const auto paired = std::ranges::count_if(fit.matching.model, [](Index k) { return k >= 0; });
   return static_cast<double>(paired) <
@@ -106,6 +113,7 @@ Verdict verdict_of(const ModesProblem& problem, const ModesFound& found, const W
   const auto& best = explanations.front();
   const auto& fit = *all.fits.front();
   if (at_a_limit(problem, fit) || has_few_partners(fit)) return Verdict::unexplained;
+  if (!fit.causes.empty() && has_poor_frequencies(problem, fit)) return Verdict::unexplained;
   // That a mode or a channel is not to be believed needs the evidence of a cause, too.
   if (fit.disturbed.what != Disturbed::What::nothing) {
     return best.log_evidence < least_evidence ? Verdict::no_discrepancy : Verdict::unexplained;
@@ -120,6 +128,15 @@ Verdict verdict_of(const ModesProblem& problem, const ModesFound& found, const W
   const bool is_all = std::ranges::all_of(best.causes, is_sure) &&
                       !is_part_of_more(problem.structure(), found, fit, least_evidence);
   return is_all ? Verdict::named : Verdict::partial;
+}
+
+// Causes beside what no cause explains.
+void limit_doubtful(std::vector<Explanation>& explanations) {
+  for (auto& explanation : explanations) {
+    for (auto& cause : explanation.causes) {
+      cause.probability = std::min(cause.probability, kConstants.beside_unnamed);
+    }
+  }
 }
 
 std::optional<Superclass> superclass_of(const ModesProblem& problem, const ModesFound& found,
@@ -216,6 +233,7 @@ Diagnosis answer(const ModesProblem& problem, const ModesFound& found,
   const auto& best = *all.fits.front();
   Diagnosis diagnosis;
   diagnosis.verdict = verdict_of(problem, found, all, explanations, options.least_evidence);
+  if (diagnosis.verdict == Verdict::unexplained) limit_doubtful(explanations);
   diagnosis.best = explanations.front();
   diagnosis.rivals.assign(explanations.begin() + 1, explanations.end());
   if (diagnosis.verdict != Verdict::no_discrepancy) {
