@@ -35,6 +35,10 @@ Matching matched(const MeasuredModes& measured, const RecordedModes& model, cons
   return result;
 }
 
+Index count_alone(const Matching& matching) {
+  return std::ranges::count(matching.model, Index{-1});
+}
+
 Matching matching_of(const MeasuredModes& measured, const RecordedModes& model,
                      const std::vector<Index>& partners) {
   Matching result{partners, {}};

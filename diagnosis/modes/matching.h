@@ -15,6 +15,8 @@ struct Matching {
   std::vector<Eigen::Index> model;
   std::vector<std::vector<Eigen::Index>> span;  ///< span_of each of these; empty: none
 };
+/// Number of measured modes that have none.
+[[nodiscard]] Eigen::Index count_alone(const Matching& matching);
 /// At least total cost (modal::assigned): 1 − MAC plus the square of ln(frequency ratio) over
 /// Constants::apart. Without shapes the frequency alone decides.
 [[nodiscard]] Matching matched(const MeasuredModes& measured, const RecordedModes& model,

@@ -29,9 +29,6 @@ constexpr int kLevelRounds = 4;  // of levels alone, at the end
 constexpr int kAttempts = 5;     // at a step that lowers the objective
 constexpr int kDoubled = 3;      // times that such a step is made longer
 
-// Measured modes without a partner.
-Index alone(const Matching& of) { return std::ranges::count(of.model, Index{-1}); }
-
 // One hypothesis on its way to its most probable sizes.
 class Descent {
  public:
@@ -84,7 +81,7 @@ class Descent {
   // Where levels are known, what deviates more is what a cause has to explain.
   [[nodiscard]] std::vector<Index> partners_without_worst() const {
     if (fit_.disturbed.what == Disturbed::What::mode || problem_.prior().width <= 0.0) return {};
-    if (alone(fit_.matching) > alone(problem_.matchings(fit_.model).front())) return {};
+    if (count_alone(fit_.matching) > count_alone(problem_.matchings(fit_.model).front())) return {};
     VectorXd excess = likelihood_->block_squares();
     const auto& blocks = likelihood_->errors().blocks;
     for (Index b = 0; b < excess.size(); ++b) {
@@ -188,15 +185,15 @@ class Descent {
   struct Slopes {
     MatrixXd errors;
     VectorXd likelihood;
-    MatrixXd information;  // of the covariance
+    MatrixXd information;  // of the covariance; 0 where its slopes are not asked for
   };
   [[nodiscard]] Slopes slopes(Of what) {
     modes_.begin_at(all_);
     const Index n = prior_.centre.size();
-    Slopes result{MatrixXd::Zero(own_.size(), n), VectorXd::Zero(n), MatrixXd::Zero(n, n)};
+    Slopes result{MatrixXd::Zero(own_.size(), n), VectorXd::Zero(n), {}};
     std::optional<CovarianceSlopes> covariance;
     if (what == Of::both) covariance.emplace(likelihood_->errors(), fit_.levels);
-    MatrixXd changes;
+    MatrixXd changes = MatrixXd::Zero(covariance ? covariance->count() : 0, n);
     const double here = likelihood_->negative_log() - likelihood_->errors().penalty;
     for (Index c = 0; c < n; ++c) {
       VectorXd step = VectorXd::Zero(n);
@@ -209,15 +206,13 @@ class Descent {
         result.errors.col(c) = (stacked(*there) - own_) / step(c);
         if (what == Of::errors) break;
         const double penalty = there->penalty;
-        const VectorXd change = covariance->of(*there, step(c));
-        if (changes.size() == 0) changes = MatrixXd::Zero(change.size(), n);
-        changes.col(c) = change;
+        changes.col(c) = covariance->of(*there, step(c));
         const auto other = likelihood_of(std::move(*there));
         if (other) result.likelihood(c) = (other->negative_log() - penalty - here) / step(c);
         break;
       }
     }
-    if (changes.size() > 0) result.information = 0.5 * changes.transpose() * changes;
+    result.information = 0.5 * changes.transpose() * changes;
     return result;
   }
 
@@ -304,7 +299,7 @@ class Descent {
     if (!is_alike) {
       matching = problem_.matchings(*model).front();
       // Where levels are known a mode without a partner may cost less than one with a bad one.
-      const bool is_lost = alone(matching) > alone(fit_.matching);
+      const bool is_lost = count_alone(matching) > count_alone(fit_.matching);
       if (problem_.prior().width <= 0.0 && is_lost) return std::nullopt;
       errors = problem_.errors(fit_, *model, matching);
     }

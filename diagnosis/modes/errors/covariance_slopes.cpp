@@ -1,8 +1,5 @@
 #include "diagnosis/modes/errors/covariance_slopes.h"
 
-#include "base/error.h"
-#include "dense/algebra.h"
-
 namespace chladni::diagnosis {
 
 using Eigen::Index;
@@ -12,17 +9,13 @@ CovarianceSlopes::CovarianceSlopes(const ModeErrors& here, const PerClass& level
     : levels_(levels) {
   for (const auto& block : here.blocks) {
     covariances_.push_back(covariance_of(block, here.shared_of, levels));
-    factors_.push_back(covariances_.back());
-    if (!dense::cholesky(factors_.back())) {
-      throw NumericalFailure("modal data: a covariance that is not positive");
-    }
+    factors_.push_back(covariance_factor(covariances_.back()));
+    count_ += factors_.back().size();
   }
 }
 
 Eigen::VectorXd CovarianceSlopes::of(const ModeErrors& there, double step) const {
-  Index count = 0;
-  for (const auto& factor : factors_) count += factor.size();
-  Eigen::VectorXd all(count);
+  Eigen::VectorXd all(count_);
   Index first = 0;
   for (std::size_t b = 0; b < factors_.size(); ++b) {
     const auto lower = factors_[b].triangularView<Eigen::Lower>();

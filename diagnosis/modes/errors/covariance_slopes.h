@@ -14,7 +14,9 @@ class CovarianceSlopes {
   /// @throws NumericalFailure  a covariance that is not positive
   CovarianceSlopes(const ModeErrors& here, const PerClass& levels);
 
-  /// L_b⁻¹ (dC_b/dx) L_b⁻ᵀ with C_b = L_b L_bᵀ, all entries of all blocks: Σ n_b². To first order,
+  /// Number of entries: Σ n_b².
+  [[nodiscard]] Eigen::Index count() const { return count_; }
+  /// L_b⁻¹ (dC_b/dx) L_b⁻ᵀ with C_b = L_b L_bᵀ, all entries of all blocks. To first order,
   /// from the errors at a distance of `step`. The part of two coordinates in the information of
   /// the likelihood is half the product of their columns. Cost: Σ n_b³.
   /// @pre  as many numbers in each block as here
@@ -24,6 +26,7 @@ class CovarianceSlopes {
   PerClass levels_;
   std::vector<Eigen::MatrixXd> covariances_;
   std::vector<Eigen::MatrixXd> factors_;
+  Eigen::Index count_ = 0;
 };
 
 }  // namespace chladni::diagnosis

@@ -47,11 +47,7 @@ MatrixXd own_covariance(const ModeBlock& block, const PerClass& levels) {
 
 // Its Cholesky factor.
 MatrixXd own_factor(const ModeBlock& block, const PerClass& levels) {
-  MatrixXd own = own_covariance(block, levels);
-  if (!dense::cholesky(own)) {
-    throw NumericalFailure("modal data: a covariance that is not positive");
-  }
-  return own;
+  return covariance_factor(own_covariance(block, levels));
 }
 
 double log_determinant_of(const MatrixXd& factor) {
@@ -85,6 +81,13 @@ struct WhiteSums {
 }  // namespace
 
 std::string_view name(ErrorClass of) { return kNames[static_cast<std::size_t>(of)]; }
+
+MatrixXd covariance_factor(MatrixXd covariance) {
+  if (!dense::cholesky(covariance)) {
+    throw NumericalFailure("modal data: a covariance that is not positive");
+  }
+  return covariance;
+}
 
 MatrixXd covariance_of(const ModeBlock& block, const std::vector<int>& shared_of,
                        const PerClass& levels) {

@@ -123,6 +123,9 @@ class LevelLikelihood {
 [[nodiscard]] Eigen::MatrixXd covariance_of(const ModeBlock& block,
                                             const std::vector<int>& shared_of,
                                             const PerClass& levels);
+/// Its Cholesky factor, in the lower triangle. Of `covariance` only that is read.
+/// @throws NumericalFailure  it is not positive
+[[nodiscard]] Eigen::MatrixXd covariance_factor(Eigen::MatrixXd covariance);
 /// Number of errors of all blocks.
 [[nodiscard]] Eigen::Index numbers(const ModeErrors& errors);
 /// The errors of all blocks in one vector.
