@@ -103,9 +103,9 @@ bool has_poor_frequencies(const ModesProblem& problem, const ModesFit& fit) {
 }
 
 bool has_few_partners(const ModesFit& fit) {
-  const auto paired = std::ranges::count_if(fit.matching.model, [](Index k) { return k >= 0; });
-  return static_cast<double>(paired) <
-         kConstants.few_partners * static_cast<double>(fit.matching.model.size());
+  const auto all = std::ssize(fit.matching.model);
+  const auto paired = all - count_alone(fit.matching);
+  return static_cast<double>(paired) < kConstants.few_partners * static_cast<double>(all);
 }
 
 Verdict verdict_of(const ModesProblem& problem, const ModesFound& found, const Weighed& all,

@@ -74,9 +74,7 @@ ModesLook::ModesLook(const ModesProblem& problem, const ModesFit& base,
   for (const auto& matching : matchings) {
     without_cause_.emplace_back(matching.model, shifted(*model, matching));
   }
-  const auto& base_pairs = base.matching.model;
-  const bool is_one_alone = std::ranges::find(base_pairs, Index{-1}) != base_pairs.end();
-  pairs_may_be_wrong_ = matchings.size() > 1 || is_one_alone;
+  pairs_may_be_wrong_ = matchings.size() > 1 || count_alone(base.matching) > 0;
   quick_matching_ = matchings.front();
   here_ = shifted(*model, quick_matching_);
 }

@@ -129,8 +129,7 @@ std::vector<Candidate> candidates(const ModesProblem& problem, const ModesFit& b
                                   const std::vector<const Effect*>& catalogue, double& effects) {
   const ModesLook look(problem, base, levels_to_look_at(problem, base));
   // A measured mode that nothing is like may be one that a spring makes of a rigid body.
-  const bool is_one_alone = std::ranges::find(base.matching.model, -1) != base.matching.model.end();
-  const auto sizes = is_one_alone ? StartSizes::near : StartSizes::usual;
+  const auto sizes = count_alone(base.matching) > 0 ? StartSizes::near : StartSizes::usual;
   std::vector<std::vector<Candidate>> best(catalogue.size());
   parallel_tasks(catalogue.size(),
                  [&](std::size_t e) { best[e] = best_of(look, problem, *catalogue[e], sizes); });

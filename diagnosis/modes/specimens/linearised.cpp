@@ -119,11 +119,11 @@ std::unique_ptr<SpecimenModel> made(const Specimen& specimen, const DiagnosisOpt
   require(one->fit.model.count() > 0,
           specimen.name + ": its model has no mode near those measured");
   pair_again(*one);
-  const auto paired =
-      std::ranges::count_if(one->fit.matching.model, [](Index k) { return k >= 0; });
+  const auto all = std::ssize(one->fit.matching.model);
+  const auto paired = all - count_alone(one->fit.matching);
   require(paired >= 2, fmt::format("{}: {} of {} measured modes have a partner in its model; at "
                                    "least two are expected",
-                                   specimen.name, paired, one->fit.matching.model.size()));
+                                   specimen.name, paired, all));
   return one;
 }
 
