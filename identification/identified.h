@@ -56,7 +56,7 @@ struct Identified {
 /// pq [s]: the delay of each response before any fit. It is the delay at which real residues at the
 /// poles of a vector fit fit best. Where the phases alone ask for one near the end of the scan or
 /// beyond it (phase_delays), poles are also sought without that one, and the better result counts.
-/// Of modes that overlap it may be off by periods. One output, one input or all responses share one
+/// It may be off by periods where modes overlap. One output, one input or all responses share one
 /// delay, as options.fit.delay_of says. Zeros where options.fit.delay is false.
 /// @throws as vector_fit
 [[nodiscard]] Eigen::VectorXd delays_at_start(const FitData& data,

@@ -92,7 +92,7 @@ Asked asked_by(const std::string& name) {
   return {name.substr(0, colon), name.substr(colon + 1)};
 }
 
-// Of the files: "fit_s1_a2". Letters that a name of a file should not have become '-'.
+// The stem of the files: "fit_s1_a2". Letters that a name of a file should not have become '-'.
 std::string file_stem(const Asked& asked) {
   auto part = asked.part;
   std::ranges::replace(part, '/', '_');

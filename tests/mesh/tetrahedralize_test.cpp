@@ -233,7 +233,7 @@ TEST_F(Tetrahedralize, ExpectsTheCellsThatItMakes) {
   EXPECT_NEAR(count.faces / static_cast<double>(mesh.faces.rows()), 1.0, 0.3);
 }
 
-// Of a tenth of an edge the wall has 38 times the cells that its volume and area let expect.
+// A wall of a tenth of an edge has 38 times the cells that its volume and area let expect.
 TEST_F(Tetrahedralize, MeshesAThinWallByCellsAsSmallAsItIsThick) {
   MesherOptions options;
   options.edge_length = 0.01;

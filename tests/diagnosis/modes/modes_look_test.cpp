@@ -152,15 +152,20 @@ TEST(ModesProblem, GivesNoEvidenceToWhatNoBodyIsLike) {
   EXPECT_FALSE(std::isfinite(known.fitted(start).log_evidence));
 }
 
+// What the modes of a strip with something hidden say of one cause.
+Diagnosis told_of_strip(const simulators::RealRigCase& rig) {
+  DiagnosisOptions options;
+  options.most_causes = 1;
+  return diagnosed(believed("strip"), rig.modes, options);
+}
+
 // A strip among whose five sensors one reads half of what it should, whose frequencies are 1.4 %
 // and shapes 7 % off: the truth has neither the model nor the errors of this room. The cause has 14
 // more ln evidence than scatter of all gains, and was not looked at.
 TEST(DiagnosedRig, NamesTheBadGainOfFiveSensors) {
   for (const unsigned seed : {1U, 4U}) {
     const auto rig = simulators::real_rig_case("strip", "sensor_gain", seed);
-    DiagnosisOptions options;
-    options.most_causes = 1;
-    const auto found = diagnosed(believed("strip"), rig.modes, options);
+    const auto found = told_of_strip(rig);
     ASSERT_EQ(found.best.causes.size(), 1U) << seed;
     const auto& cause = found.best.causes.front();
     EXPECT_EQ(cause.effect, "sensor_gain") << seed;
@@ -177,9 +182,7 @@ TEST(DiagnosedRig, NamesTheBadGainOfFiveSensors) {
 TEST(DiagnosedRig, NamesExchangedSensorsWhereModesLostTheirPartners) {
   for (const unsigned seed : {1900U, 5U}) {
     const auto rig = simulators::real_rig_case("strip", "swapped_sensors", seed);
-    DiagnosisOptions options;
-    options.most_causes = 1;
-    const auto found = diagnosed(believed("strip"), rig.modes, options);
+    const auto found = told_of_strip(rig);
     ASSERT_EQ(found.best.causes.size(), 1U) << seed;
     EXPECT_EQ(found.best.causes.front().effect, "swapped_sensors") << seed;
     EXPECT_GT(found.best.causes.front().probability, 0.9) << seed;

@@ -207,7 +207,7 @@ TEST(GainOfFits, IsNotKnownOfAPairThatNoModeComparesWithOthers) {
   const auto& mode = match.modes[static_cast<std::size_t>(last)];
   EXPECT_EQ(mode.by, MatchedBy::pairs);
   EXPECT_NEAR(mode.alpha_std / mode.alpha, 0.5 * scatter, 0.05 * scatter);
-  // Of one pair the gain over that of all pairs is 1.
+  // The gain of one pair over that of all pairs is 1.
   options.pairs.resize(1);
   EXPECT_EQ(matched(made, fit, options).pairs[0].ratio_std, 0.0);
 }
