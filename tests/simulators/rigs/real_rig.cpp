@@ -158,12 +158,12 @@ double shape_distance(const Eigen::VectorXd& now, const Eigen::MatrixXd& old) {
   return (now - inside).squaredNorm();
 }
 
-// The shape of mode k and of those that errors of frequency cannot tell from it.
-Eigen::MatrixXd group_of(const RigModes& modes, Index k, const std::vector<Index>& all,
-                         double error) {
+// The shape of mode k and of those that errors of frequency cannot tell from it, whether channels
+// see them or not: the effect may turn what is not seen into what is.
+Eigen::MatrixXd group_of(const RigModes& modes, Index k, double error) {
   constexpr double kApart = 4.0;
   Eigen::MatrixXd group(modes.outputs.rows() + modes.inputs.rows(), 0);
-  for (const Index l : all) {
+  for (Index l = 0; l < modes.pole.size(); ++l) {
     if (std::abs(std::log(std::abs(modes.pole(l)) / std::abs(modes.pole(k)))) > kApart * error) {
       continue;
     }
@@ -173,16 +173,28 @@ Eigen::MatrixXd group_of(const RigModes& modes, Index k, const std::vector<Index
   return group;
 }
 
+// Those of the modes whose mean square is not far below the median: a string's own mode is seen a
+// little, and nobody's model has it.
+std::vector<Index> well_seen(const RigModes& modes, std::vector<Index> of) {
+  constexpr double kPart = 0.1;
+  std::vector<double> squares;
+  for (const Index k : of) squares.push_back(stacked(modes, k).squaredNorm());
+  std::ranges::sort(squares);
+  const double least = squares.empty() ? 0.0 : kPart * squares[squares.size() / 2];
+  std::erase_if(of, [&](Index k) { return stacked(modes, k).squaredNorm() < least; });
+  return of;
+}
+
 // log10 of half the sum of squares by which the effect moves the modes, over the levels.
 double clearness(const RigModes& before, const RigModes& after, const RealRigCase& made) {
   const auto& rig = made.body.rig;
   const double frequency = std::max(made.frequency_error, 1e-3);
   const double shape = std::max(made.shape_error, 5e-3);
-  const auto from = seen_modes(before, rig.low_hz, rig.high_hz);
+  const auto from = well_seen(before, seen_modes(before, rig.low_hz, rig.high_hz));
   const auto to = seen_modes(after, 0.7 * rig.low_hz, 1.4 * rig.high_hz);
   double sum = 0.0;
   for (const Index k : from) {
-    const auto old = group_of(before, k, from, frequency);
+    const auto old = group_of(before, k, frequency);
     const double mean = stacked(before, k).squaredNorm() / static_cast<double>(old.rows());
     double least = std::numeric_limits<double>::infinity();
     for (const Index l : to) {
