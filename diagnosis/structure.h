@@ -44,6 +44,8 @@ struct Surface {
   Eigen::MatrixXd shapes;   ///< n×r, along the normal
   /// The motion at any place on it; none for a place outside it.
   std::function<std::optional<PointMotion>(const Eigen::Vector2d&)> at;
+  /// Whether `at` has a motion there, where that is cheaper to tell; or none.
+  std::function<bool(const Eigen::Vector2d&)> has_place;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< [m]: of the chart, in the body's frame
   Eigen::Vector3d axis_u = Eigen::Vector3d::UnitX(), axis_v = Eigen::Vector3d::UnitY();
 
@@ -51,6 +53,10 @@ struct Surface {
   static constexpr double kOnePeak = 0.08;
 
   [[nodiscard]] Eigen::Index count() const { return places.rows(); }
+  /// Whether a place is on it.
+  [[nodiscard]] bool holds(const Eigen::Vector2d& place) const {
+    return has_place ? has_place(place) : at(place).has_value();
+  }
   /// [m]: diagonal of the box around the places of the scan.
   [[nodiscard]] double size() const {
     return (places.colwise().maxCoeff() - places.colwise().minCoeff()).norm();

@@ -169,17 +169,17 @@ double log_prior(const Supposed& supposed, const Structure& structure) {
   }
   const auto place = place_of(supposed, structure);
   if (!place) return sum;
-  if (!structure.surface.at(*place)) return -std::numeric_limits<double>::infinity();
+  if (!structure.surface.holds(*place)) return -std::numeric_limits<double>::infinity();
   return sum - std::log(structure.surface.area.sum());
 }
 
 void keep_on_surface(const Structure& structure, const Supposed& from, Supposed& to) {
   const auto at = place_coordinates(to, structure);
   if (!at) return;
-  for (int half = 0; half < 12 && !structure.surface.at(to.x(*at)); ++half) {
+  for (int half = 0; half < 12 && !structure.surface.holds(to.x(*at)); ++half) {
     to.x(*at) = 0.5 * (to.x(*at) + from.x(*at)).eval();
   }
-  if (!structure.surface.at(to.x(*at))) to.x(*at) = from.x(*at);
+  if (!structure.surface.holds(to.x(*at))) to.x(*at) = from.x(*at);
 }
 
 Eigen::Index one_option(const Structure& /*structure*/) { return 1; }

@@ -27,7 +27,7 @@ Index are_on_the_surface(const Structure& structure) {
   if (has_surface(structure) == 0) return 0;
   const auto& places = channels_of<side>(structure).places;
   for (const auto place : places.rowwise()) {
-    if (!structure.surface.at(place.transpose())) return 0;
+    if (!structure.surface.holds(place.transpose())) return 0;
   }
   return places.rows() > 1 ? has_surface(structure) : 0;
 }

@@ -47,12 +47,12 @@ std::vector<Parameter> stiffness_radius_place(const Structure& structure) {
 
 // Length of the ray from a place to the rim of the disc or of the surface, whichever is nearer.
 double ray(const Surface& surface, const Vector2d& from, const Vector2d& along, double radius) {
-  if (surface.at(from + radius * along)) return radius;
+  if (surface.holds(from + radius * along)) return radius;
   double on = 0.0;
   double off = radius;
   for (int half = 0; half < 16; ++half) {
     const double middle = 0.5 * (on + off);
-    (surface.at(from + middle * along) ? on : off) = middle;
+    (surface.holds(from + middle * along) ? on : off) = middle;
   }
   return on;
 }

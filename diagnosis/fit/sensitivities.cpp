@@ -120,7 +120,7 @@ std::pair<double, double> sides_on_surface(const Structure& structure, const Sup
     Supposed moved = cause;
     moved.x(column.coordinate) += by;
     const auto place = place_of(moved, structure);
-    return !place || structure.surface.at(*place).has_value();
+    return !place || structure.surface.holds(*place);
   };
   const bool minus = is_there(-column.parameter.step);
   const bool plus = is_there(column.parameter.step);

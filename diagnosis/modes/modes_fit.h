@@ -67,9 +67,12 @@ class ModesProblem {
   /// The structure with constants and causes of a hypothesis.
   /// @throws NumericalFailure  it is impossible
   [[nodiscard]] State with(const ModesFit& fit) const;
-  /// @param with_shared  as for mode_errors
+  /// @param with_shared  whether blocks have the errors that they share
   [[nodiscard]] ModeErrors errors(const ModesFit& hypothesis, const RecordedModes& model,
                                   const Matching& matching, bool with_shared = true) const;
+  /// @param shares  for each measured mode, as for mode_errors
+  [[nodiscard]] ModeErrors errors(const ModesFit& hypothesis, const RecordedModes& model,
+                                  const Matching& matching, const std::vector<bool>& shares) const;
   /// The hypothesis at its most probable sizes and levels (Levenberg and Marquardt in the sizes,
   /// MacKay's update of the levels), and its evidence (Laplace). The fit starts at the causes and
   /// levels of `start`, and with its pairs if they are the most probable. In full (kRounds) the

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/index.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/modes/calibration/coordinates.h"
 #include "diagnosis/modes/modes_fit.h"
@@ -88,9 +89,13 @@ std::vector<Matching> ModesProblem::matchings(const RecordedModes& model) const 
 
 ModeErrors ModesProblem::errors(const ModesFit& hypothesis, const RecordedModes& model,
                                 const Matching& matching, bool with_shared) const {
-  static const std::vector<BodyError> kNoErrors;
-  return mode_errors(structure_, measured_, model, units_, matching,
-                     with_shared ? body_ : kNoErrors, smooth_, hypothesis.disturbed, with_shared);
+  return errors(hypothesis, model, matching, std::vector<bool>(at(measured_.count()), with_shared));
+}
+
+ModeErrors ModesProblem::errors(const ModesFit& hypothesis, const RecordedModes& model,
+                                const Matching& matching, const std::vector<bool>& shares) const {
+  return mode_errors(structure_, measured_, model, units_, matching, body_, smooth_,
+                     hypothesis.disturbed, shares);
 }
 
 }  // namespace chladni::diagnosis

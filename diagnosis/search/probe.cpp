@@ -84,7 +84,7 @@ double rim_distance(const std::vector<Parameter>& parameters) {
 bool is_within(const Surface& surface, const Eigen::Vector2d& place, double distance) {
   for (const double by : {-distance, distance}) {
     for (const auto& axis : {Eigen::Vector2d::UnitX(), Eigen::Vector2d::UnitY()}) {
-      if (!surface.at(place + by * axis)) return false;
+      if (!surface.holds(place + by * axis)) return false;
     }
   }
   return true;

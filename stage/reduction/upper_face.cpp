@@ -47,7 +47,7 @@ double step_of_slopes(const mesh::TetMesh& shell) {
   return kSlopeStep * std::sqrt(area / static_cast<double>(shell.faces.rows()));
 }
 
-Eigen::VectorXd value_at(const mesh::Site& site, const Eigen::MatrixXd& motion) {
+Eigen::VectorXd value_at(const mesh::Site& site, const UpperFace::Motions& motion) {
   Eigen::VectorXd value = Eigen::VectorXd::Zero(motion.cols());
   for (Eigen::Index a = 0; a < site.nodes.size(); ++a) {
     value += site.weights(a) * motion.row(site.nodes(a)).transpose();
@@ -244,7 +244,8 @@ diagnosis::Surface surface_of(const Chart& chart, std::shared_ptr<const UpperFac
   surface.origin = chart.origin;
   surface.axis_u = chart.axes.col(0);
   surface.axis_v = chart.axes.col(1);
-  surface.at = [face = std::move(face)](const Eigen::Vector2d& place) { return face->at(place); };
+  surface.at = [face](const Eigen::Vector2d& place) { return face->at(place); };
+  surface.has_place = [face](const Eigen::Vector2d& place) { return face->holds(place); };
   return surface;
 }
 

@@ -52,6 +52,9 @@ struct ModesAbove {
 /// The uppermost faces of a body. It owns its data; its functions may run on several threads.
 class UpperFace {
  public:
+  /// A row for each node: a place has those of its few nodes.
+  using Motions = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
   /// @param shapes  3·nodes×r
   /// @param above   modes that yield statically under an attachment
   /// @param chosen  per boundary face 1 if it counts; empty: all count
@@ -75,7 +78,7 @@ class UpperFace {
   mesh::TetMesh shell_;              // boundary only, in the chart's coordinates
   std::vector<char> chosen_;         // per face of the shell; empty: all
   mesh::SiteFinder finder_;
-  Eigen::MatrixXd motion_;  // shell nodes × (r + u)
+  Motions motion_;          // shell nodes × (r + u)
   Eigen::VectorXd beyond_;  // u
   double step_;             // of slopes [m]
 };

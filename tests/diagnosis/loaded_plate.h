@@ -68,11 +68,16 @@ inline constexpr Eigen::Index kModes = 9;
 }
 
 [[nodiscard]] inline ModeErrors errors_of(const MeasuredModes& measured, const RecordedModes& model,
-                                          const Matching& matching, bool with_shared = true) {
-  static const std::vector<BodyError> none;
+                                          const Matching& matching,
+                                          const std::vector<bool>& shares) {
   static const Eigen::MatrixXd smooth = smooth_factor(small_plate());
-  return mode_errors(small_plate(), measured, model, some_units(), matching,
-                     with_shared ? body() : none, smooth, {}, with_shared);
+  return mode_errors(small_plate(), measured, model, some_units(), matching, body(), smooth, {},
+                     shares);
+}
+[[nodiscard]] inline ModeErrors errors_of(const MeasuredModes& measured, const RecordedModes& model,
+                                          const Matching& matching, bool with_shared = true) {
+  return errors_of(measured, model, matching,
+                   std::vector<bool>(static_cast<std::size_t>(measured.count()), with_shared));
 }
 [[nodiscard]] inline Matching matched_by_shape(const MeasuredModes& measured,
                                                const RecordedModes& model) {

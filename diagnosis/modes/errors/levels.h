@@ -87,7 +87,7 @@ class LevelLikelihood {
   /// −ln of the density of the errors of another hypothesis. A block with `kept` has as many
   /// numbers as the block here, and keeps its covariance; another one has its own, at the same
   /// levels. Cost: k³, and n k² for each block that is not kept.
-  /// @pre  as many blocks and shared errors as here
+  /// @pre  as many blocks as here, and as many shared errors in those that are not kept
   [[nodiscard]] double negative_log(const ModeErrors& other, const std::vector<bool>& kept) const;
   /// For each class Σ η² / s² of the posterior means of its errors, and γ, the number of errors
   /// that the data determine (MacKay, Neural Computation 4, 1992). Frequencies alone teach their

@@ -67,8 +67,12 @@ ModeChange change_by(const BodyError& error, const RecordedModes& model) {
   const VectorXd lambda = (2.0 * std::numbers::pi * model.frequency_hz).cwiseAbs2();
   const MatrixXd& phi = model.motion;
   const Index r = phi.rows();
-  const MatrixXd stiffness = phi.transpose() * error.stiffness.topLeftCorner(r, r) * phi;
-  const MatrixXd mass = phi.transpose() * error.mass.topLeftCorner(r, r) * phi;
+  const auto in_modes = [&](const MatrixXd& of) -> MatrixXd {
+    if (of.size() == 0) return MatrixXd::Zero(n, n);
+    return phi.transpose() * of.topLeftCorner(r, r) * phi;
+  };
+  const MatrixXd stiffness = in_modes(error.stiffness);
+  const MatrixXd mass = in_modes(error.mass);
   ModeChange change{VectorXd(n), {}, {}};
   MatrixXd turn(n, n);
   for (Index k = 0; k < n; ++k) {
@@ -93,7 +97,6 @@ struct Scene {
   const RecordedModes& model;
   const ShapeUnits& units;
   const MatrixXd& smooth;
-  const std::vector<BodyError>& body;
   SharedColumns columns;
   std::vector<ModeChange> changes;  // per error of the body
 
@@ -284,7 +287,7 @@ void doubt(Rows& rows, const Place& place, const Disturbed& disturbed) {
 // The numbers of a mode that has a partner.
 ModeBlock paired(const Scene& scene, Index i, const std::vector<Index>& span,
                  const Disturbed& disturbed) {
-  const auto& [structure, measured, model, units, smooth, body, columns, changes] = scene;
+  const auto& [structure, measured, model, units, smooth, columns, changes] = scene;
   const Index k = span.front();
   const Partner other = partner(measured, model, units, i, span);
   const auto near = nearby(model, k);
@@ -370,22 +373,28 @@ ModeErrors mode_errors(const Structure& structure, const MeasuredModes& measured
                        const RecordedModes& model, const ShapeUnits& units,
                        const Matching& matching, const std::vector<BodyError>& body,
                        const Eigen::MatrixXd& smooth, const Disturbed& disturbed,
-                       bool with_shared) {
-  SharedColumns columns{measured.output_shapes.rows(), measured.input_shapes.rows(),
-                        static_cast<Index>(body.size()), false};
-  columns.gains = with_shared && columns.outputs + columns.inputs > 1;
-  Scene scene{structure, measured, model, units, smooth, body, columns, {}};
-  for (const auto& error : body) scene.changes.push_back(change_by(error, model));
+                       const std::vector<bool>& shares) {
+  const auto outputs = measured.output_shapes.rows();
+  const auto inputs = measured.input_shapes.rows();
+  const Scene bare{structure, measured, model, units, smooth, {outputs, inputs}, {}};
+  Scene whole{structure, measured, model, units, smooth, bare.columns, {}};
+  whole.columns.gains = outputs + inputs > 1;
+  whole.columns.body = static_cast<Index>(body.size());
+  const bool some = std::ranges::find(shares, true) != shares.end();
+  for (std::size_t i = 0; some && i < body.size(); ++i) {
+    whole.changes.push_back(change_by(body[i], model));
+  }
   ModeErrors errors;
-  errors.shared_of = classes_of(columns, body);
+  if (some) errors.shared_of = classes_of(whole.columns, body);
   for (Index i = 0; i < measured.count(); ++i) {
+    const auto& scene = shares[at(i)] ? whole : bare;
     const Index k = matching.model[at(i)];
     const bool doubted = disturbed.what == Disturbed::What::mode && disturbed.index == i;
     if (k < 0 && !doubted) errors.penalty += kConstants.alone;
     errors.blocks.push_back(k < 0 || doubted ? alone(scene, i)
                                              : paired(scene, i, matching.span[at(i)], disturbed));
   }
-  errors.penalty += kConstants.unmeasured * unseen(scene, matching);
+  errors.penalty += kConstants.unmeasured * unseen(bare, matching);
   return errors;
 }
 

@@ -23,11 +23,13 @@ struct Disturbed {
 /// imaginary parts of the shape at sensors, then at actuators, each shape of root mean square 1 and
 /// turned to the model's phase; ln of the residue, real and imaginary part, where it is known. A
 /// mode that is alone, or is not believed, has errors of 1.
-/// @param with_shared  false: without the errors that blocks share
+/// @param shares  for each measured mode whether its block has the errors that blocks share. Of
+///                another one only its own numbers are made, which costs far less where no block
+///                has them: the changes of all modes by errors of the body are left out then.
 [[nodiscard]] ModeErrors mode_errors(const Structure& structure, const MeasuredModes& measured,
                                      const RecordedModes& model, const ShapeUnits& units,
                                      const Matching& matching, const std::vector<BodyError>& body,
-                                     const Eigen::MatrixXd& smooth, const Disturbed& disturbed = {},
-                                     bool with_shared = true);
+                                     const Eigen::MatrixXd& smooth, const Disturbed& disturbed,
+                                     const std::vector<bool>& shares);
 
 }  // namespace chladni::diagnosis

@@ -46,7 +46,10 @@ std::vector<BodyError> body_errors(const Structure& structure, const Tolerances&
     deviation.apply(state, kStep);
     BodyError error{of, (state.stiffness - base.stiffness) / (kStep * unit),
                     (state.mass - base.mass) / (kStep * unit)};
-    if (!error.stiffness.isZero(0.0) || !error.mass.isZero(0.0)) all.push_back(std::move(error));
+    for (auto* change : {&error.stiffness, &error.mass}) {
+      if (change->isZero(0.0)) change->resize(0, 0);
+    }
+    if (error.stiffness.size() + error.mass.size() > 0) all.push_back(std::move(error));
   };
   Tolerances whole = no_tolerances();
   whole.modulus = tolerances.modulus;

@@ -13,8 +13,8 @@ namespace chladni::diagnosis {
 /// Matérn's with exponent 3/2, over a fifth of the body. (p + q)².
 [[nodiscard]] Eigen::MatrixXd smooth_factor(const Structure& structure);
 
-/// A change of stiffness and mass of the body, r×r, for an error of 1 (of a class), or for one
-/// standard deviation (−1).
+/// A change of stiffness and mass of the body, r×r or empty where there is none, for an error of 1
+/// (of a class), or for one standard deviation (−1).
 struct BodyError {
   int of = -1;
   Eigen::MatrixXd stiffness, mass;

@@ -185,8 +185,9 @@ ModesLook::Moved ModesLook::moved(const Supposed& cause, std::size_t level) cons
 std::vector<double> ModesLook::objectives(const RecordedModes& model,
                                           const Matching& matching) const {
   std::vector<double> all(levels_.size(), HUGE_VAL);
+  const auto bare = problem_.errors(base_, model, matching, false);
   if (same_partners(matching)) {
-    const Eigen::VectorXd there = shifted(model, matching);
+    const Eigen::VectorXd there = stacked(bare);
     if (there.size() == here_.size()) {
       const Eigen::VectorXd change = there - here_;
       if (change.cwiseAbs().maxCoeff() < kConstants.unchanged) return all;
@@ -202,8 +203,10 @@ std::vector<double> ModesLook::objectives(const RecordedModes& model,
       return all;
     }
   }
-  const auto errors = columns_.added(problem_.errors(base_, model, matching));
-  const auto kept = alike_blocks(errors);
+  const auto kept = alike_blocks(bare);
+  auto others = kept;
+  others.flip();
+  const auto errors = columns_.added(problem_.errors(base_, model, matching, others));
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = likelihoods_[i].negative_log(errors, kept);
   return all;
 }

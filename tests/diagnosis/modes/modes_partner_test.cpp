@@ -285,10 +285,36 @@ TEST(Errors, AreAsManyForEveryHypothesis) {
     for (const double ratio : {0.0, 1e-5, 0.02}) {
       RecordedModes other = model;
       other.damping_ratio.setConstant(ratio);
+      const std::vector<bool> all(one.model.size(), true);
       const auto errors =
-          mode_errors(bare, measured, other, some_units(), one, none, smooth, {}, true);
+          mode_errors(bare, measured, other, some_units(), one, none, smooth, {}, all);
       EXPECT_EQ(errors.blocks[0].count(), damped.blocks[0].count() - 1) << ratio;
       EXPECT_EQ(errors.blocks[1].count(), damped.blocks[1].count() - 1) << ratio;
+    }
+  }
+}
+
+// A block has the same numbers and the same errors whichever other blocks have shared ones.
+TEST(Errors, OfABlockAreWhatTheyAreAmongOthers) {
+  const auto& plate = small_plate();
+  const auto model = modes_of(state_of(plate));
+  const auto measured = measured_of(model, 0.05);
+  const auto matching = matched_by_shape(measured, model);
+  const auto all = errors_of(measured, model, matching);
+  const auto none = errors_of(measured, model, matching, false);
+  for (std::size_t b = 0; b < all.blocks.size(); ++b) {
+    std::vector<bool> one(all.blocks.size(), false);
+    one[b] = true;
+    const auto some = errors_of(measured, model, matching, one);
+    EXPECT_EQ(some.shared_of, all.shared_of);
+    EXPECT_EQ(some.penalty, all.penalty);
+    EXPECT_GT(all.blocks[b].shared.norm(), 0.0);
+    for (std::size_t c = 0; c < all.blocks.size(); ++c) {
+      const auto& expected = (c == b ? all : none).blocks[c];
+      EXPECT_EQ(some.blocks[c].error, expected.error);
+      EXPECT_EQ(some.blocks[c].noise, expected.noise);
+      EXPECT_EQ(some.blocks[c].smooth, expected.smooth);
+      EXPECT_EQ(some.blocks[c].shared, expected.shared);
     }
   }
 }
