@@ -63,8 +63,8 @@ Explanation explanation_of(const ModesProblem& problem, const ModesFound& found,
     first += count;
     cause.probability =
         (1.0 - explanation.another_body) * probability_of(problem.structure(), all, fit.causes[c]);
-    // What has no known size beside the others may be something that no catalogue has.
-    if (fit.causes.size() > 1 && !is_significant(problem, fit, c, SizeDeviation::anywhere)) {
+    // What has no known size may be something that no catalogue has.
+    if (!is_significant(problem, fit, c, SizeDeviation::anywhere)) {
       cause.probability = std::min(cause.probability, kConstants.beside_unnamed);
     }
     cause.log_evidence_gain =

@@ -79,7 +79,6 @@ bool is_significant(const ModesProblem& problem, const ModesFit& fit, std::size_
 }
 
 bool have_clear_sizes(const ModesProblem& problem, const ModesFit& fit) {
-  if (fit.causes.size() < 2) return true;
   for (std::size_t c = 0; c < fit.causes.size(); ++c) {
     if (!is_significant(problem, fit, c, SizeDeviation::anywhere)) return false;
   }

@@ -23,9 +23,8 @@ enum class SizeDeviation {
 [[nodiscard]] bool is_significant(const ModesProblem& problem, const ModesFit& fit,
                                   std::size_t which, SizeDeviation by);
 
-/// True if all causes of a fit of several are significant wherever they are. A size that is not
-/// known beside another cause, a mass of -1.6 +- 0.9 g, is not named: what no catalogue has may be
-/// there as well.
+/// True if all causes of a fit are significant wherever they are. A size that is not known, a mass
+/// of -1.6 +- 0.9 g, is not named: what no catalogue has may be there as well.
 [[nodiscard]] bool have_clear_sizes(const ModesProblem& problem, const ModesFit& fit);
 
 }  // namespace chladni::diagnosis

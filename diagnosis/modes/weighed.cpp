@@ -172,8 +172,8 @@ double probability_of(const Structure& structure, const Weighed& all, const Supp
 }
 
 bool is_supported(const ModesFound& found, const ModesFit& fit, double least_evidence) {
-  if (fit.causes.size() < 2) return true;
   if (!fit.has_clear_sizes) return false;
+  if (fit.causes.size() < 2) return true;
   double fewer = found.nothing.log_evidence;
   for (const auto& other : found.fits) {
     if (other.causes.size() < fit.causes.size()) fewer = std::max(fewer, other.log_evidence);

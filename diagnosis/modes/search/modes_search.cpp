@@ -273,32 +273,72 @@ std::vector<const Effect*> effects_of(const std::vector<ModesFit>& fits) {
   return all;
 }
 
+// What a search has found so far.
+struct Finds {
+  ModesFound& found;
+  double least_evidence;
+  /// Fits that bring least_evidence by a last cause whose size is not known.
+  std::vector<ModesFit> unclear = {};
+};
+
 // Fits whose last cause is significant. The others were when they were found, and what a further
 // cause leaves of them is told by the evidence without them.
-std::vector<ModesFit> significant(const ModesProblem& problem, std::vector<ModesFit> fits) {
-  std::erase_if(fits, [&](const ModesFit& fit) {
-    return !is_significant(problem, fit, fit.causes.size() - 1, SizeDeviation::anywhere);
-  });
+std::vector<ModesFit> significant(const ModesProblem& problem, std::vector<ModesFit> fits,
+                                  double before, Finds& finds) {
   for (auto& fit : fits) fit.has_clear_sizes = have_clear_sizes(problem, fit);
+  const auto clear = std::stable_partition(fits.begin(), fits.end(), [&](const ModesFit& fit) {
+    return is_significant(problem, fit, fit.causes.size() - 1, SizeDeviation::anywhere);
+  });
+  std::copy_if(clear, fits.end(), std::back_inserter(finds.unclear), [&](const ModesFit& fit) {
+    return fit.log_evidence >= before + finds.least_evidence;
+  });
+  fits.erase(clear, fits.end());
   return fits;
 }
 
 // All fits of one cause more than each base has, sorted.
 std::vector<ModesFit> with_one_more(const ModesProblem& problem, const std::vector<ModesFit>& bases,
-                                    const std::vector<const Effect*>& catalogue,
-                                    ModesFound& found) {
+                                    const std::vector<const Effect*>& catalogue, Finds& finds) {
   std::vector<ModesFit> next;
   for (const auto& base : bases) {
     double effects = 0.0;
+    double before = base.log_evidence;
     auto fits = fitted_with(problem, base, candidates(problem, base, catalogue, effects));
     if (base.causes.empty()) {
-      found.effects = effects;
-      found.nothing = paired_as(problem, found.nothing, fits);
+      finds.found.effects = effects;
+      finds.found.nothing = paired_as(problem, finds.found.nothing, fits);
+      before = finds.found.nothing.log_evidence;
     }
-    std::ranges::move(significant(problem, std::move(fits)), std::back_inserter(next));
+    std::ranges::move(significant(problem, std::move(fits), before, finds),
+                      std::back_inserter(next));
   }
   sort(next);
   return next;
+}
+
+// Adds to `next` what is found beside its best fits without an earlier cause each. Returns the best
+// evidence of these bases.
+double revise(const ModesProblem& problem, const std::vector<ModesFit>& beam,
+              std::vector<ModesFit>& next, Finds& finds) {
+  auto bases = without_earlier(problem, next, beam);
+  auto revised = with_one_more(problem, bases, effects_of(next), finds);
+  std::ranges::move(revised, std::back_inserter(next));
+  sort(next);
+  double best = -HUGE_VAL;
+  for (const auto& base : bases) best = std::max(best, base.log_evidence);
+  std::ranges::move(significant(problem, std::move(bases), HUGE_VAL, finds),
+                    std::back_inserter(finds.found.fits));
+  return best;
+}
+
+// A cause of unknown size is told by nothing but its evidence, and so not by itself. It outweighs
+// what explains less, where that would be told.
+void add_unclear(Finds& finds) {
+  auto& found = finds.found;
+  const double least = found.nothing.log_evidence + finds.least_evidence;
+  const bool some = std::ranges::any_of(
+      found.fits, [&](const ModesFit& fit) { return fit.log_evidence >= least; });
+  if (some) std::ranges::move(finds.unclear, std::back_inserter(found.fits));
 }
 
 }  // namespace
@@ -310,18 +350,14 @@ ModesFound searched(const ModesProblem& problem, const std::vector<const Effect*
   if (problem.prior().width > 0.0) found.evidence_power = kConstants.evidence_power;
   found.disturbed = disturbed_fits(problem, found.nothing);
   std::vector<ModesFit> beam{found.nothing};
+  Finds finds{found, least_evidence};
   for (int level = 0; level < most_causes; ++level) {
     tell(progress, level == 0 ? "one cause" : level == 1 ? "two causes" : "three causes");
-    auto next = with_one_more(problem, beam, catalogue, found);
+    auto next = with_one_more(problem, beam, catalogue, finds);
     if (next.empty()) break;
     double before = beam.front().log_evidence;
     if (level > 0 && next.front().log_evidence >= before + kConstants.rival_evidence) {
-      auto bases = without_earlier(problem, next, beam);
-      auto revised = with_one_more(problem, bases, effects_of(next), found);
-      std::ranges::move(revised, std::back_inserter(next));
-      sort(next);
-      for (const auto& base : bases) before = std::max(before, base.log_evidence);
-      std::ranges::move(significant(problem, std::move(bases)), std::back_inserter(found.fits));
+      before = std::max(before, revise(problem, beam, next, finds));
     }
     // A further cause that brings less is not named, but from Constants::rival_evidence on it is
     // part of a rival.
@@ -336,6 +372,7 @@ ModesFound searched(const ModesProblem& problem, const std::vector<const Effect*
     std::erase_if(next, [&](const ModesFit& fit) { return fit.log_evidence < least; });
     beam = std::move(next);
   }
+  add_unclear(finds);
   sort(found.fits);
   return found;
 }

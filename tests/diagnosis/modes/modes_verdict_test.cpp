@@ -273,6 +273,25 @@ TEST_F(Answer, NamesNoCauseOfAnUnclearSizeBesideAnother) {
   EXPECT_LE(found.rivals.front().causes.back().probability, kConstants.beside_unnamed);
 }
 
+// It is told, since it explains more than another cause would.
+TEST_F(Answer, NamesNoSingleCauseOfAnUnclearSize) {
+  add({mass()}, 30.0);
+  add({gain(1)}, 20.0);
+  EXPECT_EQ(told().verdict, Verdict::named);
+  auto& fit = found_.fits.front();
+  fit.covariance(0, 0) = 0.04;                                      // the mass, 0.3 +- 0.2
+  fit.covariance(0, 1) = fit.covariance(1, 0) = 0.99 * 0.2 * 0.01;  // with its place
+  fit.has_clear_sizes = have_clear_sizes(problem_, fit);
+  EXPECT_FALSE(fit.has_clear_sizes);
+  const auto found = told();
+  EXPECT_EQ(found.verdict, Verdict::ambiguous);
+  ASSERT_EQ(found.best.causes.size(), 1U);
+  EXPECT_EQ(found.best.causes.front().effect, "point_mass");
+  EXPECT_LE(found.best.causes.front().probability, kConstants.beside_unnamed);
+  ASSERT_FALSE(found.rivals.empty());
+  EXPECT_LT(found.rivals.front().causes.front().probability, 0.1);
+}
+
 // The stiffness that a patch adds is known, and so is its factor at any one radius.
 TEST_F(Answer, NamesAPatchOfUnknownRadiusBesideAnotherCause) {
   const Supposed patch{&effect("local_stiffness"), 0,
