@@ -147,6 +147,7 @@ TEST_F(AtomicFile, TellsAMachineThatFailsFromAFileThatDoes) {
 TEST_F(AtomicFile, ReadsOnlyRegularFilesUpToALimit) {
   write_atomically(folder / "f.txt", "12345");
   EXPECT_THROW((void)read_whole(folder / "f.txt", 4), InvalidInput);
+  EXPECT_EQ(read_whole(folder / "f.txt", 5), "12345");
   EXPECT_THROW((void)read_whole(folder), InvalidInput);
   EXPECT_THROW((void)read_whole("/dev/zero"), InvalidInput);
   EXPECT_THROW((void)read_whole(folder / "none"), InvalidInput);

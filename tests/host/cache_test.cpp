@@ -117,6 +117,18 @@ TEST_F(Caches, LetTheLeastRecentlyUsedGo) {
   EXPECT_LE(cache.size().bytes, 3500U);
 }
 
+TEST_F(Caches, KeepAsMuchAsTheyMay) {
+  const Cache large(folder_, kMost);
+  for (const auto* name : {"a", "b"}) ASSERT_EQ(large.keep(name, std::string(1000, 'x')), "");
+  use("a", 2h);
+  use("b", 1h);
+  const auto both = large.size().bytes;
+  ASSERT_EQ(Cache(folder_, both).keep("b", std::string(1000, 'y')), "");
+  EXPECT_EQ(large.names(""), (std::vector<std::string>{"a", "b"}));
+  ASSERT_EQ(Cache(folder_, both - 1).keep("b", std::string(1000, 'z')), "");
+  EXPECT_EQ(large.names(""), std::vector<std::string>{"b"});
+}
+
 TEST_F(Caches, KeepNothingThatIsLargerThanAll) {
   const Cache cache(folder_, 500);
   EXPECT_NE(cache.keep("a", std::string(1000, 'x')), "");

@@ -179,6 +179,13 @@ TEST(Pairing, IsTheBestOneThereIs) {
   }
 }
 
+// Each row may stay without a column for this much.
+TEST(Assigned, NeedsAPairToCostLessThanNone) {
+  const double alone = 0.05;
+  EXPECT_TRUE(assigned(Eigen::MatrixXd::Constant(1, 1, alone), alone).empty());
+  EXPECT_EQ(assigned(Eigen::MatrixXd::Constant(1, 1, 0.99 * alone), alone).size(), 1U);
+}
+
 TEST(Pairing, RefusesSetsOfDifferentPlaces) {
   auto other = plate_modes();
   other.shapes = other.shapes.topRows(5).eval();
