@@ -6,6 +6,7 @@
 
 #include "block_problem.h"
 #include "identification/likelihood/block_fractions.h"
+#include "identification/likelihood/levenberg.h"
 
 namespace chladni::identification {
 namespace {
@@ -160,6 +161,26 @@ TEST(NormalEquations, DoNotDependOnTheBasisOfABlock) {
   for (auto& block : from.model.blocks) block = balanced(block);
   const double after = misfit(from.model, from.target, kAll).cost;
   EXPECT_NEAR(after / before, 1.0, 1e-12);
+}
+
+// A step that is damped much brings little, wherever it is: one alone is no end.
+TEST(LevenbergDescent, GoesOnAfterOneDampedStepThatBringsLittle) {
+  constexpr Fitted kFitted{.residual = true};
+  auto made = problem(1);
+  made.model.delay = 0.0;
+  made.target.value.setZero();
+  made.target.value = -misfit(made.model, made.target, kFitted).error;
+  ASSERT_LT(misfit(made.model, made.target, kFitted).cost, 1e-20);
+  made.target.total = made.target.value.squaredNorm();
+  made.target.expected_cost = 360.0;  // one for each number
+  BlockModel start = made.model;
+  start.blocks.front().left *= 1.1;
+  const double before = misfit(start, made.target, kFitted).cost;
+  for (const double damping : {1e-4, 4e6}) {
+    const auto found = descent(start, made.target, kFitted, {.damping = damping});
+    EXPECT_LT(found.misfit.cost, 1e-6 * before) << damping;
+    EXPECT_GT(found.iterations, 2);
+  }
 }
 
 }  // namespace
