@@ -39,11 +39,12 @@ Peak peak_of(Work work) {
     peak.used = memory_status("VmHWM:") - before;
     _exit(write(pipe_ends[1], &peak, sizeof peak) == ssize_t{sizeof peak} ? 0 : 1);
   }
+  close(pipe_ends[1]);  // a child that dies ends the pipe
   Peak peak;
   const auto got = read(pipe_ends[0], &peak, sizeof peak);
   int ended = 0;
   waitpid(child, &ended, 0);
-  for (const int end : pipe_ends) close(end);
+  close(pipe_ends[0]);
   return got == ssize_t{sizeof peak} && ended == 0 ? peak : Peak{};
 }
 
