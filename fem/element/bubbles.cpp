@@ -55,15 +55,34 @@ Matrix nodes_of(const mesh::TetMesh& body, Eigen::Index tet, int count) {
   return nodes;
 }
 
+// The bubbles of order 2, by the values at the nodes of order 3 (20×10): λaλb(λa − λb) of each
+// edge, then λaλbλc of each face. Each is the same, but for its sign, from every corner of the cell
+// and from every cell of its edge or face.
+Matrix cubic_bubbles(const Element& higher) {
+  const auto at = [&](int corner) { return higher.barycentric.col(corner).array(); };
+  Matrix bubbles(higher.nodes, 10);
+  Eigen::Index column = 0;
+  for (const auto& [a, b] : mesh::kTetEdges) {
+    bubbles.col(column++) = at(a) * at(b) * (at(a) - at(b));
+  }
+  for (const auto& [a, b, c] : kFaceCorners) bubbles.col(column++) = at(a) * at(b) * at(c);
+  return bubbles;
+}
+
+// Some basis of the functions of `higher` that vanish at the nodes of `own`.
+Matrix any_bubbles(const Element& own, const Element& higher) {
+  Matrix at_nodes(own.nodes, higher.nodes);
+  for (Eigen::Index a = 0; a < own.nodes; ++a) {
+    at_nodes.row(a) = shape(higher, own.barycentric.row(a).transpose()).value.transpose();
+  }
+  return Eigen::FullPivLU<Matrix>(at_nodes).kernel();
+}
+
 }  // namespace
 
 Bubbles::Bubbles(int order)
     : own_(element(order)), higher_(element(order + 1)), face_rule_(triangle_rule(2 * order)) {
-  Matrix at_nodes(own_.nodes, higher_.nodes);
-  for (Eigen::Index a = 0; a < own_.nodes; ++a) {
-    at_nodes.row(a) = shape(higher_, own_.barycentric.row(a).transpose()).value.transpose();
-  }
-  bubbles_ = Eigen::FullPivLU<Matrix>(at_nodes).kernel();
+  bubbles_ = order == 2 ? cubic_bubbles(higher_) : any_bubbles(own_, higher_);
   integrate_reference();
   prepare_faces();
   prepare_points();
