@@ -12,9 +12,10 @@
 namespace chladni::mesh {
 
 struct MesherOptions {
-  double edge_length = 0.0;          ///< wanted [m]; 0: `default_edge_length`
-  double largest_radius_edge = 1.6;  ///< TetGen's -q
-  double smallest_dihedral_degrees = 10.0;
+  double edge_length = 0.0;                 ///< wanted [m]; 0: `default_edge_length`
+  double largest_radius_edge = 1.6;         ///< TetGen's -q
+  double smallest_dihedral_degrees = 10.0;  ///< less where the body is thinner than a fifth of
+                                            ///< an edge: its cells cannot be less flat
   bool remesh_surface = true;  ///< first isotropic triangles; where the cells are too flat, also
                                ///< fewest triangles on planes, and the better mesh is taken; edges
                                ///< sharper than 30 deg stay
@@ -40,15 +41,16 @@ struct CellCount {
 };
 [[nodiscard]] CellCount expected_count(double volume, double area, double edge_length);
 
-/// The same of a wall of `volume` [m^3] and `thickness` [m] that is so thin that cells between its
-/// sides would be flatter than MesherOptions::smallest_dihedral_degrees allows: the second attempt
-/// then makes cells as small as the wall is thick, however long the wanted edge is. Fitted to
-/// plates and wafers of a twelfth to an eighth of an edge, within a factor of 1.2. {0, 0} for a
-/// wall of a seventh of an edge and more.
-/// @param bonded_sides  of the wall, 0 to 2: beside these the other part has as small cells, which
-///                      count too
+/// The same of a wall of `volume` [m^3] and `thickness` [m] on a thicker part, where the wall is so
+/// thin that cells between its sides would be flatter than MesherOptions::smallest_dihedral_degrees
+/// allows: the second attempt then makes cells as small as the wall is thick, however long the
+/// wanted edge is. Fitted to wafers of a twelfth to an eighth of an edge, within a factor of 1.2.
+/// {0, 0} for a wall of a seventh of an edge and more, and for a body that is thin as a whole:
+/// its cells stay flat, and `expected_count` tells their number.
+/// @param bonded_sides  of the wall, 0 to 2; 0: the wall is the whole body. Beside a bonded side
+///                      the other part has as small cells, which count too
 [[nodiscard]] CellCount thin_wall_count(double volume, double thickness, double edge_length,
-                                        int bonded_sides = 0);
+                                        int bonded_sides);
 
 /// Linear tetrahedra of `surface`. The mesh keeps the surface's patches; nodes are sorted in space.
 /// The volume is compared with the surface's, and every cell is checked.

@@ -1,5 +1,6 @@
 #include "mesh/remesh/attempts.h"
 
+#include <algorithm>
 #include <exception>
 #include <optional>
 #include <utility>
@@ -32,6 +33,17 @@ Attempt attempted(const std::function<TetMesh()>& way) {
   }
 }
 
+// Whether the second attempt is the better one, where the first is not good enough.
+bool is_better(const Attempt& second, const Attempt& first, double good_enough) {
+  constexpr double kNearly = 1.25;  // between angles that count as the same
+  if (!first.mesh || !second.mesh) return second.mesh.has_value();
+  const double before = first.angle();
+  const double now = second.angle();
+  if (now >= good_enough) return true;
+  if (std::max(now, before) > kNearly * std::min(now, before)) return now > before;
+  return second.mesh->tet_count() < first.mesh->tet_count();
+}
+
 }  // namespace
 
 TetMesh better_mesh(const std::function<TetMesh()>& first, const std::function<TetMesh()>& second,
@@ -43,7 +55,7 @@ TetMesh better_mesh(const std::function<TetMesh()>& first, const std::function<T
   for (const auto& death : {attempt.death, other.death}) {
     if (on_death && !death.empty()) on_death(death);
   }
-  return *std::move(attempt.angle() >= other.angle() ? attempt.mesh : other.mesh);
+  return *std::move(is_better(other, attempt, good_enough) ? other.mesh : attempt.mesh);
 }
 
 }  // namespace chladni::mesh

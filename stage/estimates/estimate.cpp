@@ -168,12 +168,10 @@ std::string in_digits(double value, int least) {
   return text;
 }
 
-/// Cells of the mesher. The body as a whole, or its wafer, may be too thin for the edge length.
+/// Cells of the mesher. A wafer may be too thin for the edge length.
 mesh::CellCount cell_count(const study::Study& study, const Outline& outline, double edge) {
   const double area = mesh::area(outline.surface->points, outline.surface->triangles);
-  auto count = mesh::expected_count(outline.volume, area, edge);
-  const auto whole = mesh::thin_wall_count(outline.volume, 2.0 * outline.volume / area, edge);
-  if (whole.tets > count.tets) count = whole;
+  const auto count = mesh::expected_count(outline.volume, area, edge);
   const auto* table = std::get_if<mesh::WaferTable>(&study.geometry.body);
   if (table == nullptr || !(table->wafer_diameter > 0.0)) return count;
   const auto wafer = mesh::thin_wall_count(wafer_volume(*table), table->wafer_thickness, edge, 1);

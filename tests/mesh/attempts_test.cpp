@@ -28,6 +28,21 @@ TEST(BetterMesh, IsTheOneWithTheLargerAngles) {
   EXPECT_EQ(angle(better_mesh(flatter, flat, 90.0)), angle(flat_plate(0.001)));
 }
 
+// Quality first, then size: angles within a quarter are the same, unless only one is good enough.
+TEST(BetterMesh, IsTheSmallerOneOfTwoThatAreAsPoor) {
+  const auto few = [] { return flat_plate(0.001); };
+  const auto many = [] { return layered(Plate{0.1, 0.1, 0.00055}, 0.025, 1); };
+  const double poor = angle(few());
+  ASSERT_GT(angle(many()), 1.05 * poor);
+  ASSERT_LT(angle(many()), 1.2 * poor);
+  EXPECT_EQ(better_mesh(few, many, 90.0).tet_count(), few().tet_count());
+  EXPECT_EQ(better_mesh(many, few, 90.0).tet_count(), few().tet_count());
+  EXPECT_EQ(better_mesh(few, many, 1.02 * poor).tet_count(), many().tet_count());
+  const auto clearly = [] { return layered(Plate{0.1, 0.1, 0.001}, 0.025, 1); };
+  EXPECT_EQ(better_mesh(few, clearly, 90.0).tet_count(), clearly().tet_count());
+  EXPECT_EQ(better_mesh(clearly, few, 90.0).tet_count(), clearly().tet_count());
+}
+
 TEST(BetterMesh, IsKeptWhereTheOtherWayFails) {
   const auto flat = [] { return flat_plate(0.001); };
   const auto dies = []() -> TetMesh { throw WorkerDied("signal 11"); };

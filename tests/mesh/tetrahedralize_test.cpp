@@ -233,16 +233,53 @@ TEST_F(Tetrahedralize, ExpectsTheCellsThatItMakes) {
   EXPECT_NEAR(count.faces / static_cast<double>(mesh.faces.rows()), 1.0, 0.3);
 }
 
-// A wall of a tenth of an edge has 38 times the cells that its volume and area let expect.
-TEST_F(Tetrahedralize, MeshesAThinWallByCellsAsSmallAsItIsThick) {
-  MesherOptions options;
-  options.edge_length = 0.01;
-  const Surface plate = surface(Plate{0.04, 0.04, 0.001});
-  const auto count = thin_wall_count(0.04 * 0.04 * 0.001, 0.001, options.edge_length);
-  const TetMesh mesh = tetrahedralize(plate, options);
-  EXPECT_NEAR(count.tets / static_cast<double>(mesh.tet_count()), 1.0, 0.2);
-  EXPECT_NEAR(count.faces / static_cast<double>(mesh.faces.rows()), 1.0, 0.2);
-  EXPECT_EQ(thin_wall_count(1.0, 0.2, 1.0).tets, 0.0);
+// A plate of a tenth of an edge had 38 times the cells that its volume and area let expect.
+TEST_F(Tetrahedralize, MeshesAThinBodyByTheEdgesThatAreWanted) {
+  const Surface plate = surface(Plate{0.1, 0.1, 0.001});
+  for (const double edge : {0.006, 0.008, 0.01}) {
+    MesherOptions options;
+    options.edge_length = edge;
+    const auto count = expected_count(0.1 * 0.1 * 0.001, 2.0 * 0.01 + 0.4 * 0.001, edge);
+    const TetMesh mesh = tetrahedralize(plate, options);
+    EXPECT_NEAR(count.tets / static_cast<double>(mesh.tet_count()), 1.0, 0.2) << edge;
+    EXPECT_NEAR(count.faces / static_cast<double>(mesh.faces.rows()), 1.0, 0.2) << edge;
+    EXPECT_EQ(thin_wall_count(1e-5, 0.001, edge, 0).tets, 0.0);
+  }
+}
+
+// From 9 to 6 thicknesses per edge the worst cell of one attempt decided at random whether there
+// were as many unknowns as wanted or 20 times as many.
+TEST_F(Tetrahedralize, AWaferHasMoreUnknownsTheShorterItsEdgesAre) {
+  const Disc wafer{.diameter = 0.1, .thickness = 0.000775};
+  double before = 0.0;
+  double coarsest = 0.0;
+  for (const double edge : {0.007, 0.0065, 0.006, 0.0055, 0.005}) {
+    MesherOptions options;
+    options.edge_length = edge;
+    const TetMesh mesh = tetrahedralize(surface(wafer, edge), options);
+    const auto unknowns = 3.0 * static_cast<double>(with_order(mesh, 2).node_count());
+    if (before == 0.0) {
+      coarsest = unknowns;
+    } else {
+      EXPECT_GT(unknowns, before) << edge;
+      EXPECT_LT(unknowns, 1.6 * before) << edge;
+    }
+    before = unknowns;
+    // No flatter than the wafer makes them.
+    EXPECT_GT(quality(mesh).smallest_dihedral_degrees, 0.5 * 66.0 * wafer.thickness / edge) << edge;
+  }
+  EXPECT_LT(before, 2.5 * coarsest);  // (7 / 5)² is 2
+}
+
+// Beside the thicker part that it is bonded to, a thin wall has cells as small as it is thick.
+TEST(ThinWallCount, IsThatOfABondedWall) {
+  EXPECT_EQ(thin_wall_count(1.0, 0.2, 1.0, 1).tets, 0.0);
+  const auto one = thin_wall_count(1e-6, 0.001, 0.01, 1);
+  const auto two = thin_wall_count(1e-6, 0.001, 0.01, 2);
+  EXPECT_GT(one.tets, 1e-6 / 1e-9);
+  EXPECT_GT(two.tets, one.tets);
+  EXPECT_LT(two.faces, one.faces);
+  EXPECT_EQ(thin_wall_count(1e-6, 0.001, 0.02, 1).tets, one.tets);  // however long the edge is
 }
 
 TEST_F(Tetrahedralize, SaysThatTheMesherRanOutOfMemory) {
