@@ -43,13 +43,15 @@ struct TimeFile {
 /// `experiment`, `realisation` and `period` (counted from 0) are optional. A name in a list of the
 /// options has the side of this list. Else the prefix "in_", "out_" or "ref_" states the side and
 /// is removed. Else the name is an input if it is u, f, a, force, input or hammer, a reference if
-/// it is r, w or reference (each with or without digits), and otherwise an output.
+/// it is r, w or reference (each with or without digits), and otherwise an output. A unit in
+/// brackets behind a name is that of the column, "Time [ms]", "left [g]"; a force is an input.
 [[nodiscard]] TimeFile parse_time_csv(std::string_view bytes, const std::string& name,
                                       const TimeOptions& options = {});
 
 /// A CSV text that parse_time_csv reads back to the last bit, except for units. Blows of one
 /// experiment are counted.
-/// @throws InvalidInput  neighbouring periodic records of one experiment and realisation
+/// @throws InvalidInput  neighbouring periodic records of one experiment and realisation; a name
+///                       that a table cannot hold, such as one that ends in a unit
 [[nodiscard]] std::string time_csv(const recordings::TimeData& data);
 
 enum class Side { output, input, reference };

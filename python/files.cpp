@@ -96,10 +96,13 @@ std::vector<MeasuredChannel> channels_from(const py::list& given) {
   return channels;
 }
 
-std::shared_ptr<FrfFile> frf_with(const Eigen::VectorXd& frequency_hz, const Complexes& value,
+// @param given  complex numbers; magnitudes or decibels have no phase
+std::shared_ptr<FrfFile> frf_with(const Eigen::VectorXd& frequency_hz, const py::object& given,
                                   const py::list& outputs, const py::list& inputs,
                                   const std::optional<Numbers>& variance,
                                   const std::optional<Numbers>& coherence, double averages) {
+  const auto value = Complexes::ensure(given);
+  require(static_cast<bool>(value), "value is no array of numbers");
   modal::FrfSet set;
   set.outputs = channels_from(outputs);
   set.inputs = channels_from(inputs);
@@ -111,6 +114,9 @@ std::shared_ptr<FrfFile> frf_with(const Eigen::VectorXd& frequency_hz, const Com
   if (coherence) set.coherence = matrices_of<Eigen::MatrixXd>(*coherence, "coherence", p, q);
   set.averages = averages;
   modal::check(set);
+  require(py::array::ensure(given).dtype().kind() == 'c',
+          "value is real, without a phase; expected complex numbers (where the imaginary parts are "
+          "0: value.astype(complex))");
   return std::make_shared<FrfFile>(FrfFile{"arrays", std::move(set), {}});
 }
 

@@ -101,8 +101,7 @@ class Run : public stage::Work {
   io::PaintQueue pictures_;
   std::set<std::string> painted_;
   std::set<std::string> replaced_;  // results of another state, which this run has overwritten
-  std::filesystem::file_time_type started_;
-  std::string last_fault_;  // of a picture
+  std::string last_fault_;          // of a picture
   bool has_left_ = false;
 };
 

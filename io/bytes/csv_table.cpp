@@ -23,13 +23,6 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   throw InvalidInput(file + ": line " + fmt::to_string(line) + ": " + what);
 }
 
-char separator_of(std::string_view header) {
-  for (const char c : {',', ';', '\t'}) {
-    if (header.find(c) != std::string_view::npos) return c;
-  }
-  return ',';
-}
-
 // The number in a field, which is the bytes between two separators, with or without quotes.
 double number_of(std::string_view field, const CsvTable& table, std::size_t column, int line) {
   field = trimmed(field);
@@ -114,6 +107,13 @@ Eigen::Index CsvTable::column(std::string_view name) const {
   return found == names.end() ? -1 : found - names.begin();
 }
 
+char csv_separator(std::string_view header) {
+  for (const char c : {',', ';', '\t'}) {
+    if (header.find(c) != std::string_view::npos) return c;
+  }
+  return ',';
+}
+
 std::vector<std::string> csv_fields(std::string_view line, char separator) {
   std::vector<std::string> fields(1);
   bool quoted = false;
@@ -149,7 +149,7 @@ CsvTable csv_table(std::string_view bytes, const std::string& file, std::size_t 
     if (line.ends_with('\r')) line.remove_suffix(1);
     if (is_idle(line)) continue;
     if (table.names.empty()) {
-      separator = separator_of(line);
+      separator = csv_separator(line);
       read_header(line, separator, number, table);
       rows.reserve(number_count(bytes, table, limit));
     } else {
@@ -169,7 +169,7 @@ CsvRows::CsvRows(const std::filesystem::path& file) : in_(file) {
   head_.file = file.string();
   while (const auto next = line()) {
     if (is_idle(*next)) continue;
-    separator_ = separator_of(*next);
+    separator_ = csv_separator(*next);
     read_header(*next, separator_, number_, head_);
     return;
   }

@@ -25,6 +25,10 @@ struct CsvTable {
   [[nodiscard]] Eigen::Index column(std::string_view name) const;
 };
 
+/// What separates the fields of a table: a comma; a semicolon or a tab where the first line has no
+/// comma.
+[[nodiscard]] char csv_separator(std::string_view first_line);
+
 /// The fields of one line, separated by `separator`. A quoted field may contain the separator, and
 /// quotes written twice. Blanks around a field are removed.
 /// @throws InvalidInput  a quote is not closed, or there are too many fields

@@ -87,15 +87,14 @@ class Reader {
       parts += mat_value(fields_, {part}) != nullptr ? 1 : 0;
     }
     require_room(file_.set, layout.lines, parts, options_.limit_bytes);
-    if (response->imag.size() == 0) {
-      file_.notes.emplace_back("the responses are real: they have no phase");
-    }
+    require(response->imag.size() > 0,
+            "the responses are real numbers, magnitudes or decibels without a phase; expected "
+            "complex ones (where the imaginary parts are 0: H = complex(H))");
     file_.set.value.assign(static_cast<std::size_t>(layout.lines),
                            Eigen::MatrixXcd(layout.outputs, layout.inputs));
     each(layout, [&](Index k, Index i, Index j) {
       const Index at = layout.at(k, i, j);
-      const std::complex<double> value(response->real(at),
-                                       response->imag.size() > 0 ? response->imag(at) : 0.0);
+      const std::complex<double> value(response->real(at), response->imag(at));
       require_measurable(value.real(), "a response", k, i, j);
       require_measurable(value.imag(), "a response", k, i, j);
       file_.set.value[static_cast<std::size_t>(k)](i, j) = value;
@@ -126,8 +125,9 @@ class Reader {
     }
     require(value != nullptr, "there are no frequencies; expected a variable freq_hz" + had());
     file_.set.frequency_hz = mat_numbers(value, "the frequencies");
-    const auto unit =
-        mat_texts(mat_value(fields_, {"FrequencyUnit", "frequency_unit"}), "FrequencyUnit");
+    const auto unit = mat_texts(
+        mat_value(fields_, {"FrequencyUnit", "frequency_unit", "FreqUnit", "freq_unit", "f_unit"}),
+        "FrequencyUnit");
     if (mat_value(fields_, {"ResponseData"}) != nullptr) per_second = true;  // MATLAB's default
     const auto time = mat_texts(mat_value(fields_, {"TimeUnit"}), "TimeUnit");
     file_.set.frequency_hz *= unit.empty() || unit.front().empty()

@@ -133,8 +133,11 @@ class RecordReader {
     const auto stated = mat_numbers(mat_value(fields_, {"sample_time_s", "Ts", "dt"}), "Ts");
     if (stated.size() == 1 && stated(0) > 0.0) return stated(0);
     const auto time = mat_numbers(mat_value(fields_, {"time_s", "time", "t"}), "time_s");
+    const auto rate =
+        mat_numbers(mat_value(fields_, {"sample_rate_hz", "sample_rate", "fs"}), "fs");
+    if (time.size() == 0 && rate.size() == 1 && rate(0) > 0.0) return 1.0 / rate(0);
     if (time.size() == 0 && options_.sample_time_s > 0.0) return options_.sample_time_s;
-    require(time.size() > 1, "there is no sample_time_s, and no time_s either");
+    require(time.size() > 1, "there is no sample_time_s, and no time_s or fs either");
     require(time.size() == samples_, "time_s has " + fmt::to_string(time.size()) +
                                          " entries, expected " + fmt::to_string(samples_));
     const double step = (time(time.size() - 1) - time(0)) / static_cast<double>(time.size() - 1);
@@ -184,6 +187,7 @@ class RecordReader {
   // @param is_stated  of each output, whether the file says what it measures
   void state_units(const std::vector<bool>& is_stated) {
     const auto stated = stated_unit(options_.unit);
+    note_unused(options_.unit, data_.outputs, notes_);
     for (std::size_t c = 0; c < data_.outputs.size(); ++c) {
       auto& output = data_.outputs[c];
       const auto unit = output.unit.empty() ? std::optional(stated) : motion_unit(output.unit);
@@ -201,6 +205,7 @@ class RecordReader {
       }
     }
     for (std::size_t c = 0; c < data_.inputs.size(); ++c) {
+      note_unknown(data_.inputs[c], notes_);
       const auto force = force_unit(data_.inputs[c].unit);
       if (!force) continue;
       data_.inputs[c].unit = "N";

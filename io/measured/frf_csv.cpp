@@ -6,12 +6,14 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 
 #include "base/error.h"
 #include "io/bytes/csv_table.h"
 #include "io/csv.h"
 #include "io/frf_file.h"
 #include "io/measured/channel_names.h"
+#include "io/measured/column_head.h"
 #include "io/measured/frf_units.h"
 #include "io/measured/measurable.h"
 #include "io/scan.h"
@@ -24,8 +26,7 @@ using Index = Eigen::Index;
 enum Part { kRe, kIm, kVariance, kNoise, kCoherence, kPartCount };
 constexpr std::array<std::string_view, kPartCount> kPrefix{"re_", "im_", "var_", "noisevar_",
                                                            "coh_"};
-constexpr std::array<std::string_view, 6> kFrequency{"freq_hz", "frequency_hz", "f_hz",
-                                                     "freq",    "frequency",    "f"};
+constexpr std::string_view kFrequency = "freq_hz";
 constexpr std::string_view kAverages = "averages";
 
 /// The columns of one response; −1: none.
@@ -56,7 +57,7 @@ std::optional<std::optional<modal::FrfKind>> kind_of_word(std::string_view word)
 std::optional<Part> nameless_part(std::string_view column) {
   const std::string word = upper(column);
   if (word == "RE" || word == "REAL") return kRe;
-  if (word == "IM" || word == "IMAG") return kIm;
+  if (word == "IM" || word == "IMAG" || word == "IMAGINARY") return kIm;
   if (word == "COH" || word == "COHERENCE") return kCoherence;
   if (word == "VAR" || word == "VARIANCE") return kVariance;
   return std::nullopt;
@@ -64,9 +65,11 @@ std::optional<Part> nameless_part(std::string_view column) {
 
 struct Layout {
   Index frequency = -1, averages = -1;
+  double hertz = 1.0;  // of 1 in the column of frequencies
   std::vector<ChannelPair> pairs;
   std::vector<Columns> columns;  // for each pair
   std::optional<modal::FrfKind> kind;
+  std::map<std::string, std::string> unit_of;  // each output; empty: none is stated
   bool nameless = false;
 };
 
@@ -90,7 +93,7 @@ class LayoutReader {
                         "there is no column freq_hz; expected a first line such as "
                         "\"freq_hz,re_y1u1,im_y1u1\"");
     }
-    if (layout_.pairs.empty()) fail("there is no column of a response (re_y1u1)");
+    if (layout_.pairs.empty()) refuse_no_responses();
     require_whole();
     return std::move(layout_);
   }
@@ -101,12 +104,24 @@ class LayoutReader {
   }
   [[noreturn]] void fail(const std::string& what) const { throw InvalidInput(place() + what); }
 
-  bool take(const std::string& name, Index column) {
-    if (std::find(kFrequency.begin(), kFrequency.end(), name) != kFrequency.end()) {
-      if (layout_.frequency >= 0) fail("two columns of frequencies, " + shown(name));
+  // A column f may be a force beside a time.
+  [[noreturn]] void refuse_no_responses() const {
+    const auto is_time = [](const auto& name) { return seconds_of_column(name).has_value(); };
+    const std::string none = "there is no column of a response (re_y1u1)";
+    if (std::ranges::any_of(table_.names, is_time)) throw NoResponses(place() + none);
+    fail(none);
+  }
+
+  bool take(const std::string& whole, Index column) {
+    if (const auto hertz = hertz_of_column(whole)) {
+      if (layout_.frequency >= 0) fail("two columns of frequencies, " + shown(whole));
       layout_.frequency = column;
+      layout_.hertz = *hertz;
       return true;
     }
+    auto [name, unit] = channel_and_unit(whole);
+    if (force_unit(unit)) std::tie(name, unit) = std::pair(whole, "");  // the actuator "u [N]"
+    unit_ = unit;
     if (name == kAverages) {
       if (layout_.averages >= 0) fail("two columns " + shown(name));
       layout_.averages = column;
@@ -156,6 +171,10 @@ class LayoutReader {
            " are of the same response");
     }
     at = column;
+    if (part != kRe && part != kIm) return;
+    const auto [of_output, is_first] = layout_.unit_of.emplace(pair.first, unit_);
+    if (of_output->second == unit_) return;
+    fail("column " + shown(name) + " has another unit than others of " + pair.first);
   }
 
   void require_whole() const {
@@ -171,6 +190,7 @@ class LayoutReader {
   const CsvTable& table_;
   const FrfOptions& options_;
   Layout layout_;
+  std::string unit_;  // of the column that is read
   std::map<ChannelPair, std::size_t> number_;
 };
 
@@ -229,7 +249,10 @@ std::vector<std::pair<Index, Index>> add_channels(const Layout& layout, modal::F
     const Index i = number_of(sensor, set.outputs, outputs);
     places.emplace_back(i, number_of(actuator, set.inputs, inputs));
   }
-  for (auto& output : set.outputs) output.kind = layout.kind.value_or(output.kind);
+  for (auto& output : set.outputs) {
+    output.kind = layout.kind.value_or(output.kind);
+    output.unit = layout.unit_of.at(output.name);
+  }
   return places;
 }
 
@@ -291,14 +314,15 @@ FrfFile parse_frf_csv(std::string_view bytes, const std::string& name, const Frf
     throw InvalidInput(name + ": " + e.what() + " (it has " + fmt::to_string(layout.pairs.size()) +
                        " responses)");
   }
-  file.set.frequency_hz = table.values.col(layout.frequency);
+  file.set.frequency_hz = layout.hertz * table.values.col(layout.frequency);
   file.set.averages = averages_of(table, layout.averages, file.notes);
   fill_values(layout, table, places, file.set);
   fill(file.set.variance, layout, kVariance, table, places, file.set);
   fill(file.set.noise_variance, layout, kNoise, table, places, file.set);
   fill(file.set.coherence, layout, kCoherence, table, places, file.set);
-  state_units(file, layout.kind.has_value(), options);
   try {
+    bring_to_si(file, layout.kind.has_value());
+    state_units(file, layout.kind.has_value(), options);
     modal::check(file.set);
   } catch (const InvalidInput& e) {
     throw InvalidInput(name + ": " + e.what());
@@ -340,7 +364,7 @@ void add_column(const std::vector<Matrix>& of, std::string_view prefix, const st
 
 std::string frf_csv(const modal::FrfSet& set) {
   modal::check(set);
-  std::vector<CsvColumn> columns{{std::string(kFrequency[0]), set.frequency_hz}};
+  std::vector<CsvColumn> columns{{std::string(kFrequency), set.frequency_hz}};
   const auto itself = [](double value) { return value; };
   for (Index i = 0; i < set.output_count(); ++i) {
     for (Index j = 0; j < set.input_count(); ++j) {

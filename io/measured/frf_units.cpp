@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <map>
 
 #include "base/error.h"
 #include "base/quantity.h"
@@ -12,14 +14,6 @@ namespace {
 
 constexpr double kStandardGravity = 9.80665;  // [m/s²], the unit of accelerometer calibrations
 constexpr std::array<const char*, 3> kMotion{"m", "m/s", "m/s^2"};
-
-std::optional<double> factor(const std::string& word, const char* si) {
-  try {
-    return unit_factor(word, si);
-  } catch (const InvalidInput&) {
-    return std::nullopt;
-  }
-}
 
 std::string unknown_unit(std::string_view word) {
   return "the unit \"" + std::string(word) +
@@ -43,42 +37,56 @@ std::string_view bare(std::string_view word) {
   word = trimmed(word);
   const bool bracketed = word.size() > 2 && ((word.front() == '[' && word.back() == ']') ||
                                              (word.front() == '(' && word.back() == ')'));
-  return bracketed ? trimmed(word.substr(1, word.size() - 2)) : word;
+  const bool is_one = bracketed && word.find(word.back()) == word.size() - 1;  // not "(m)/(N)"
+  return is_one ? trimmed(word.substr(1, word.size() - 2)) : word;
 }
 
 // A motion over a force in one word: "um N^-1".
 std::optional<Stated> over_force(const std::string& word) {
   constexpr std::array<const char*, 3> per_newton{"m/N", "m/(s N)", "m/(s^2 N)"};
   for (std::size_t k = 0; k < per_newton.size(); ++k) {
-    if (const auto si = factor(word, per_newton[k])) {
+    if (const auto si = factor_of(word, per_newton[k])) {
       return Stated{{kMotion[k], *si, static_cast<modal::FrfKind>(k)}, "N"};
     }
   }
   return std::nullopt;
 }
 
+// The two units of a motion over a force in one word, "g/N".
+std::optional<std::pair<std::string, std::string>> ratio_of(std::string_view word) {
+  const auto unit = bare(word);
+  const auto stroke = unit.rfind('/');
+  if (stroke == std::string_view::npos || motion_unit(unit)) return std::nullopt;
+  const auto motion = bare(unit.substr(0, stroke)), force = bare(unit.substr(stroke + 1));
+  if (!motion_unit(motion) || !force_unit(force)) return std::nullopt;
+  return std::pair(std::string(motion), std::string(force));
+}
+
 // Whether it is a unit of what sensors give beside motions, or such a unit over another one.
 bool is_of_other_sensors(std::string_view word) {
   constexpr const char* others[] = {"V", "A", "N", "Pa", "rad", "rad/s", "rad/s^2", "1"};
   const auto known = [&](std::string_view unit) {
-    return std::ranges::any_of(
-        others, [&](const char* si) { return factor(std::string(trimmed(unit)), si).has_value(); });
+    return std::ranges::any_of(others, [&](const char* si) {
+      return factor_of(std::string(trimmed(unit)), si).has_value();
+    });
   };
   return known(word) || (word.rfind('/') != word.npos && known(word.substr(0, word.rfind('/'))));
 }
 
 Stated stated(const std::string& text) {
   const std::string word(bare(text));
+  if (const auto ratio = ratio_of(word)) {
+    const auto motion = motion_unit(ratio->first).value();
+    return {{motion.si, motion.factor / force_unit(ratio->second).value(), motion.kind}, "N"};
+  }
   const auto stroke = word.rfind('/');
   if (stroke != std::string_view::npos) {
     const auto denominator = trimmed(std::string_view(word).substr(stroke + 1));
-    const auto numerator = trimmed(std::string_view(word).substr(0, stroke));
-    const auto force = force_unit(denominator);
-    const auto motion = motion_unit(numerator);
-    if (force && motion) {
-      return {{motion->si, motion->factor / *force, motion->kind}, "N"};
+    const auto motion = motion_unit(std::string_view(word).substr(0, stroke));
+    if (motion && !motion_unit(word)) {
+      require(is_of_other_sensors(denominator), unknown_unit(text));
+      return {*motion, std::string(denominator)};
     }
-    if (motion && !motion_unit(word)) return {*motion, std::string(denominator)};
   }
   if (const auto motion = motion_unit(word)) return {*motion, ""};
   if (const auto motion = over_force(word)) return *motion;
@@ -95,14 +103,25 @@ void scale(modal::FrfSet& set, Eigen::Index output, double by) {
 
 }  // namespace
 
+std::optional<double> factor_of(const std::string& unit, const std::string& si) {
+  try {
+    return unit_factor(unit, si);
+  } catch (const InvalidInput&) {
+    return std::nullopt;
+  }
+}
+
 std::optional<MotionUnit> motion_unit(std::string_view word) {
   const std::string unit(trimmed(word));
   if (unit.empty()) return std::nullopt;
-  if (unit == "g" || unit == "G" || unit == "g0" || unit == "gn") {
-    return MotionUnit{kMotion[2], kStandardGravity, modal::FrfKind::accelerance};
+  static const std::map<std::string, double, std::less<>> gravities{
+      {"g", 1.0},   {"G", 1.0},   {"g0", 1.0},  {"gn", 1.0},
+      {"mg", 1e-3}, {"mG", 1e-3}, {"ug", 1e-6}, {"µg", 1e-6}};
+  if (const auto found = gravities.find(unit); found != gravities.end()) {
+    return MotionUnit{kMotion[2], found->second * kStandardGravity, modal::FrfKind::accelerance};
   }
   for (std::size_t k = 0; k < kMotion.size(); ++k) {
-    if (const auto si = factor(unit, kMotion[k])) {
+    if (const auto si = factor_of(unit, kMotion[k])) {
       return MotionUnit{kMotion[k], *si, static_cast<modal::FrfKind>(k)};
     }
   }
@@ -118,10 +137,45 @@ MotionUnit stated_unit(std::string_view word) {
 }
 
 std::optional<double> force_unit(std::string_view word) {
-  return factor(std::string(trimmed(word)), "N");
+  const std::string unit(bare(word));
+  if (unit.empty()) return std::nullopt;
+  if (const auto newtons = factor_of(unit, "N")) return newtons;
+  static const std::map<std::string, const char*, std::less<>> spelled{
+      {"LBF", "lbf"}, {"LB", "lbf"},  {"LBS", "lbf"},  {"KN", "kN"},
+      {"KGF", "kgf"}, {"DYN", "dyn"}, {"NEWTON", "N"}, {"NEWTONS", "N"}};
+  const auto found = spelled.find(upper(unit));
+  return found == spelled.end() ? std::nullopt : factor_of(found->second, "N");
 }
 
+bool is_measured_unit(const std::string& word) {
+  const bool has_letters = std::ranges::any_of(word, [](char c) { return c < '0' || c > '9'; });
+  return has_letters && (motion_unit(word) || force_unit(word) || ratio_of(word) ||
+                         over_force(word) || is_of_other_sensors(word));
+}
+
+namespace {
+
+// "um/N" of an output becomes "um", and "N" the unit of the inputs.
+void split_ratios(modal::FrfSet& set) {
+  for (auto& output : set.outputs) {
+    const auto ratio = ratio_of(output.unit);
+    if (!ratio) continue;
+    const auto newtons = force_unit(ratio->second);
+    for (auto& input : set.inputs) {
+      if (input.unit.empty()) input.unit = ratio->second;
+      require(force_unit(input.unit) == newtons, "the unit " + shown(output.unit) + " of " +
+                                                     output.name + " is over another one than " +
+                                                     shown(input.unit) + ", that of the input " +
+                                                     input.name);
+    }
+    output.unit = ratio->first;
+  }
+}
+
+}  // namespace
+
 void bring_to_si(FrfFile& file, bool kind_known) {
+  split_ratios(file.set);
   for (std::size_t i = 0; i < file.set.outputs.size(); ++i) {
     auto& output = file.set.outputs[i];
     const auto unit = motion_unit(output.unit);
@@ -152,6 +206,10 @@ namespace {
 void state_unit(FrfFile& file, std::size_t i, const Stated& unit, bool kind_known,
                 const FrfOptions& options) {
   auto& output = file.set.outputs[i];
+  const auto known = options.kind ? motion_unit(output.unit) : std::nullopt;
+  require(!known || known->kind == options.kind, output.name + " is in " + output.unit +
+                                                     " in the file, the unit of no " +
+                                                     name_of(options.kind.value_or(output.kind)));
   if (options.kind) output.kind = *options.kind;
   if (!output.unit.empty()) return;
   if (options.unit == kEachInSi) {
@@ -169,7 +227,26 @@ void state_unit(FrfFile& file, std::size_t i, const Stated& unit, bool kind_know
 
 }  // namespace
 
+void note_unknown(const modal::MeasuredChannel& input, std::vector<std::string>& notes) {
+  const bool is_known = input.unit.empty() || force_unit(input.unit) ||
+                        factor_of(input.unit, "N m") ||
+                        (is_of_other_sensors(input.unit) && !factor_of(input.unit, "1"));
+  if (is_known) return;
+  notes.push_back("the unit " + shown(input.unit) + " of the input " + input.name +
+                  " is not known, or none of an input: values are as they stand");
+}
+
+void note_unused(const std::string& unit, const std::vector<modal::MeasuredChannel>& outputs,
+                 std::vector<std::string>& notes) {
+  const auto is_missing = [](const auto& output) { return output.unit.empty(); };
+  const auto is_same = [&](const auto& output) { return output.unit == unit; };
+  if (unit.empty() || unit == kEachInSi || outputs.empty()) return;
+  if (std::ranges::any_of(outputs, is_missing) || std::ranges::all_of(outputs, is_same)) return;
+  notes.push_back("the file states the units: the unit \"" + unit + "\" is not used");
+}
+
 void state_units(FrfFile& file, bool kind_known, const FrfOptions& options) {
+  note_unused(options.unit, file.set.outputs, file.notes);
   const bool each_in_si = options.unit == kEachInSi;
   const Stated unit = options.unit.empty() || each_in_si ? Stated{} : stated(options.unit);
   const bool contradict = options.kind && unit.output.kind && *options.kind != *unit.output.kind;
@@ -186,6 +263,7 @@ void state_units(FrfFile& file, bool kind_known, const FrfOptions& options) {
     require(!motion || motion->kind == modal::FrfKind::receptance,
             "the input " + input.name + " is in \"" + input.unit +
                 "\", a unit of motions; expected responses to forces, no transmissibilities");
+    note_unknown(input, file.notes);
   }
   const auto& outputs = file.set.outputs;
   const auto nameless = std::find_if(outputs.begin(), outputs.end(),

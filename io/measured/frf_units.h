@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "io/frf_file.h"
 
@@ -16,8 +17,11 @@ struct MotionUnit {
   std::optional<modal::FrfKind> kind;  ///< for a motion
 };
 
-/// The unit "mm", "in/s", "g" (9.80665 m/s²); none where the word is no unit of displacement,
-/// velocity or acceleration.
+/// How many `si` one `unit` is; none where it is no unit of this kind.
+[[nodiscard]] std::optional<double> factor_of(const std::string& unit, const std::string& si);
+
+/// The unit "mm", "in/s", "g" (9.80665 m/s²), "mg" (a thousandth of it); none where the word is no
+/// unit of displacement, velocity or acceleration.
 [[nodiscard]] std::optional<MotionUnit> motion_unit(std::string_view word);
 
 /// As `motion_unit`, of a word by which the user states what a file does not: also in brackets,
@@ -26,12 +30,25 @@ struct MotionUnit {
 /// @throws InvalidInput  the word is no unit of what sensors give
 [[nodiscard]] MotionUnit stated_unit(std::string_view word);
 
-/// Newtons per `word`; none where the word is no unit of force.
+/// Newtons per `word`, which may be in brackets and in capitals, "(LBF)"; "lb" and "lbs" are forces
+/// here. None where the word is no unit of force.
 [[nodiscard]] std::optional<double> force_unit(std::string_view word);
 
+/// Whether a word is a unit of what sensors give, of a force, or of a motion over a force: "mm",
+/// "V", "lbf", "um/N".
+[[nodiscard]] bool is_measured_unit(const std::string& word);
+
+/// Notes that the unit of an input is none that is known, so that nothing converted its values.
+void note_unknown(const modal::MeasuredChannel& input, std::vector<std::string>& notes);
+
+/// Notes that `unit`, which the user states, is not used, where all outputs have one in the file.
+void note_unused(const std::string& unit, const std::vector<modal::MeasuredChannel>& outputs,
+                 std::vector<std::string>& notes);
+
 /// Converts channels with a unit of motion (outputs) or force (inputs) to SI. The unit states the
-/// kind. @param kind_known  the file states the kind too
-/// @throws InvalidInput  kind and unit contradict each other
+/// kind. An output may have that of its responses, "um/N": the force is that of the inputs.
+/// @param kind_known  the file states the kind too
+/// @throws InvalidInput  kind and unit, or the forces, contradict each other
 void bring_to_si(FrfFile& file, bool kind_known);
 
 /// Converts the outputs without a unit to SI by `options.unit`. Without that option, it notes that

@@ -75,9 +75,7 @@ class Pieces {
   Pieces(const std::filesystem::path& file, const TimeOptions& options)
       : rows_(file), options_(options), table_(rows_.head()) {
     layout_ = layout_of(table_, options_, head_);
-    require(layout_.time >= 0 || options.sample_time_s > 0.0,
-            table_.file + ": there is no column time_s, and no sample time is stated");
-    factor_ = state_units(head_, options_);
+    require(layout_.time >= 0 || options.sample_time_s > 0.0, no_sample_time(table_));
     head_.data.sample_time_s = options.sample_time_s;
     head_.data.period = options.period;
   }
@@ -133,10 +131,11 @@ class Pieces {
     look_at_periods([&] { runs_.add(table_, 0, rows, layout_.period); });
     const auto record = record_of(table_, layout_, {.first = 0, .end = rows});
     Eigen::MatrixXd columns(rows, channel_count() + extra_columns);
-    columns << record.outputs * factor_, record.inputs, record.references,
+    columns << record.outputs, record.inputs, record.references,
         Eigen::MatrixXd::Zero(rows, extra_columns);
     if (layout_.time >= 0) {
-      columns.col(channel_count() + time_column) = table_.values.col(layout_.time);
+      columns.col(channel_count() + time_column) =
+          layout_.seconds * table_.values.col(layout_.time);
     }
     for (Index row = 0; row < rows; ++row) {
       columns(row, channel_count() + line_column) = table_.line[static_cast<std::size_t>(row)];
@@ -178,7 +177,7 @@ class Pieces {
     const auto record = recordings_.records.size() - 1;
     const auto column = channel_count();
     return {.file = table_.file,
-            .name = table_.names[static_cast<std::size_t>(layout_.time)],
+            .name = time_name(table_, layout_),
             .samples = recordings_.records.back().samples,
             .times =
                 [store = store_, record, column](Index first, Index count) {
@@ -220,7 +219,6 @@ class Pieces {
   RecordLayout layout_;
   PeriodRuns runs_;
   std::string period_fault_;  ///< of the record that is read; empty: none
-  double factor_ = 1.0;
   recordings::Recordings recordings_;
   std::shared_ptr<Store> store_ = std::make_shared<Store>();
 };

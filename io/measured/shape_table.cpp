@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 
@@ -31,9 +32,10 @@ struct Line {
   throw InvalidInput(name + ": line " + fmt::to_string(line) + ": " + what);
 }
 
-std::vector<std::string> fields_of(std::string_view line, const std::string& name, int number) {
+std::vector<std::string> fields_of(std::string_view line, char separator, const std::string& name,
+                                   int number) {
   try {
-    return csv_fields(utf8_of(line));
+    return csv_fields(utf8_of(line), separator);
   } catch (const InvalidInput& e) {
     fail(name, number, e.what());
   }
@@ -41,6 +43,7 @@ std::vector<std::string> fields_of(std::string_view line, const std::string& nam
 
 std::vector<Line> lines_of(std::string_view bytes, const std::string& name) {
   std::vector<Line> lines;
+  char separator = ',';
   int number = 0;
   while (!bytes.empty()) {
     ++number;
@@ -48,7 +51,8 @@ std::vector<Line> lines_of(std::string_view bytes, const std::string& name) {
     const auto line = trimmed(bytes.substr(0, end));
     bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 1);
     if (line.empty() || line.front() == '#') continue;
-    lines.push_back({number, fields_of(line, name, number)});
+    if (lines.empty()) separator = csv_separator(line);
+    lines.push_back({number, fields_of(line, separator, name, number)});
     if (lines.size() > kMostModes + 1) fail(name, number, "more than 100 000 modes");
   }
   return lines;
@@ -171,6 +175,11 @@ void read_mode(const Line& line, const Line& header, const TableColumns& columns
   }
   table.frequency_hz(mode) = frequency;
   if (columns.damping >= 0) table.damping_ratio(mode) = reader.number(columns.damping);
+  if (std::abs(table.damping_ratio(mode)) >= 1.0) {
+    fail(name, line.number,
+         fmt::format("damping_ratio is {:.6g}; expected a ratio below 1, such as 0.02 for 2 %",
+                     table.damping_ratio(mode)));
+  }
   table.frequency_std_hz(mode) = reader.deviation(columns.frequency_std);
   table.damping_std(mode) = reader.deviation(columns.damping_std);
   for (std::size_t s = 0; s < columns.channels.size(); ++s) {

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/upper_median.h"
+#include "io/measured/column_head.h"
 #include "io/measured/frf_units.h"
 #include "io/scan.h"
 
@@ -113,7 +114,7 @@ void tell_fault(const RecordedTimes& time) {
 }
 
 Eigen::MatrixXd samples(const CsvTable& table, const Stretch& stretch,
-                        const std::vector<Index>& columns) {
+                        const std::vector<Index>& columns, const std::vector<double>& factors) {
   Eigen::MatrixXd result(stretch.end - stretch.first, static_cast<Index>(columns.size()));
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const auto values =
@@ -123,9 +124,62 @@ Eigen::MatrixXd samples(const CsvTable& table, const Stretch& stretch,
       fail(table, stretch.first + row,
            table.names[static_cast<std::size_t>(columns[c])] + " is empty, expected a number");
     }
-    result.col(static_cast<Index>(c)) = values;
+    result.col(static_cast<Index>(c)) = factors[c] * values;
   }
   return result;
+}
+
+/// What the name of a column says.
+struct ChannelHead {
+  Side side = Side::output;
+  std::string name, unit;
+};
+
+// A name of the study may have brackets of its own.
+ChannelHead channel_head(const std::string& column, const TimeOptions& options) {
+  for (const auto* names :
+       {&options.sensor_names, &options.actuator_names, &options.reference_names}) {
+    if (std::ranges::find(*names, column) == names->end()) continue;
+    return {side_of(column, options).first, column, ""};
+  }
+  const auto [whole, unit] = channel_and_unit(column);
+  const auto [side, name] = side_of(whole, options);
+  const bool is_known = std::ranges::find(options.sensor_names, name) != options.sensor_names.end();
+  const bool is_force = side == Side::output && name == whole && !is_known && force_unit(unit);
+  return {is_force ? Side::input : side, name, unit};
+}
+
+// Gives a channel the unit of its column. @return the SI value of 1
+double take_unit(const ChannelHead& head, modal::MeasuredChannel& channel) {
+  channel.unit = head.unit;
+  if (const auto force = force_unit(head.unit)) {
+    channel.unit = "N";
+    return *force;
+  }
+  const auto motion = motion_unit(head.unit);
+  if (!motion) return 1.0;
+  channel.unit = motion->si;
+  channel.kind = motion->kind.value_or(channel.kind);
+  return motion->factor;
+}
+
+// States the units of the outputs that have none, and notes where they are not known.
+void state_outputs(const TimeOptions& options, RecordLayout& layout, TimeFile& file) {
+  note_unused(options.unit, file.data.outputs, file.notes);
+  const auto unit = stated_unit(options.unit);
+  bool is_missing = false;
+  for (std::size_t c = 0; c < file.data.outputs.size(); ++c) {
+    auto& output = file.data.outputs[c];
+    if (!output.unit.empty()) continue;
+    is_missing = true;
+    output.unit = unit.si;
+    output.kind = unit.kind.value_or(output.kind);
+    if (unit.kind) layout.factors[0][c] = unit.factor;
+  }
+  if (!is_missing || unit.kind || !options.unit.empty()) return;
+  file.notes.emplace_back(
+      "the units are not stated: values are as they stand; say that of the outputs as unit = "
+      "\"m\", \"m/s^2\" or \"g\"");
 }
 
 }  // namespace
@@ -142,7 +196,10 @@ int whole_number(const CsvTable& table, Index row, Index column) {
 }
 
 Index* special_column(const std::string& name, RecordLayout& layout) {
-  if (name == "time_s" || name == "time" || name == "t" || name == "t_s") return &layout.time;
+  if (const auto seconds = seconds_of_column(name)) {
+    layout.seconds = *seconds;
+    return &layout.time;
+  }
   if (name == "experiment") return &layout.experiment;
   if (name == "realisation" || name == "realization") return &layout.realisation;
   if (name == "period") return &layout.period;
@@ -159,17 +216,21 @@ RecordLayout layout_of(const CsvTable& table, const TimeOptions& options, TimeFi
       *place = static_cast<Index>(c);
       continue;
     }
-    const auto [side, name] = side_of(table.names[c], options);
-    require(seen[static_cast<std::size_t>(side)].insert(name).second,
-            table.file + ": two columns of the channel " + shown(name));
-    layout.columns[static_cast<std::size_t>(side)].push_back(static_cast<Index>(c));
-    channels_of(file.data, side).emplace_back().name = name;
+    const auto head = channel_head(table.names[c], options);
+    const auto s = static_cast<std::size_t>(head.side);
+    require(seen[s].insert(head.name).second,
+            table.file + ": two columns of the channel " + shown(head.name));
+    layout.columns[s].push_back(static_cast<Index>(c));
+    auto& channel = channels_of(file.data, head.side).emplace_back();
+    channel.name = head.name;
+    layout.factors[s].push_back(take_unit(head, channel));
   }
   require(!file.data.outputs.empty() || !file.data.inputs.empty(),
           table.file + ": there is no column of a channel");
   file.notes.push_back(
       "outputs: " + named(file.data.outputs) + "; inputs: " + named(file.data.inputs) +
       (file.data.references.empty() ? "" : "; references: " + named(file.data.references)));
+  state_outputs(options, layout, file);
   return layout;
 }
 
@@ -198,13 +259,18 @@ void check_times(const CsvTable& table, const RecordLayout& layout) {
   }
 }
 
+std::string time_name(const CsvTable& table, const RecordLayout& layout) {
+  return table.names[static_cast<std::size_t>(layout.time)] +
+         (layout.seconds == 1.0 ? "" : " in s");
+}
+
 RecordedTimes times_of(const CsvTable& table, const RecordLayout& layout, const Stretch& stretch) {
   return {.file = table.file,
-          .name = table.names[static_cast<std::size_t>(layout.time)],
+          .name = time_name(table, layout),
           .samples = stretch.end - stretch.first,
-          .times = [&table, column = layout.time, before = stretch.first](
+          .times = [&table, column = layout.time, seconds = layout.seconds, before = stretch.first](
                        Index first, Index count) -> Eigen::VectorXd {
-            return table.values.col(column).segment(before + first, count);
+            return seconds * table.values.col(column).segment(before + first, count);
           },
           .line = [&table, before = stretch.first](
                       Index row) { return table.line[static_cast<std::size_t>(before + row)]; }};
@@ -260,22 +326,18 @@ void PeriodRuns::end() {
 
 recordings::Record record_of(const CsvTable& table, const RecordLayout& layout,
                              const Stretch& stretch) {
-  return {samples(table, stretch, layout.columns[0]), samples(table, stretch, layout.columns[1]),
-          samples(table, stretch, layout.columns[2]), stretch.experiment, stretch.realisation};
+  const auto of = [&](Side side) {
+    const auto s = static_cast<std::size_t>(side);
+    return samples(table, stretch, layout.columns[s], layout.factors[s]);
+  };
+  return {of(Side::output), of(Side::input), of(Side::reference), stretch.experiment,
+          stretch.realisation};
 }
 
-double state_units(TimeFile& file, const TimeOptions& options) {
-  const auto unit = stated_unit(options.unit);
-  for (auto& output : file.data.outputs) {
-    output.unit = unit.si;
-    output.kind = unit.kind.value_or(output.kind);
-  }
-  if (!unit.kind && options.unit.empty() && !file.data.outputs.empty()) {
-    file.notes.emplace_back(
-        "the units are not stated: values are as they stand; say that of the outputs as unit = "
-        "\"m\", \"m/s^2\" or \"g\"");
-  }
-  return unit.kind ? unit.factor : 1.0;
+std::string no_sample_time(const CsvTable& table) {
+  return table.file +
+         ": there is no column time_s, and no sample time is stated; a table of responses has a "
+         "column freq_hz";
 }
 
 }  // namespace chladni::io

@@ -16,12 +16,16 @@ namespace chladni::io {
 struct RecordLayout {
   Eigen::Index time = -1, experiment = -1, realisation = -1, period = -1;
   std::array<std::vector<Eigen::Index>, 3> columns;  ///< of channels, by Side
+  std::array<std::vector<double>, 3> factors;        ///< SI value of 1 in these columns
+  double seconds = 1.0;                              ///< of 1 in the column of times
 };
 
 /// The special column with this name; null: the column belongs to a channel.
 [[nodiscard]] Eigen::Index* special_column(const std::string& name, RecordLayout& layout);
 
-/// The columns of a table by their names. The channels and a note of them go to `file`.
+/// The columns of a table by their names. The channels and a note of them go to `file`. A channel
+/// has the unit behind its name, "left [g]", else an output has that of `options`; where neither
+/// states one that is noted.
 /// @throws InvalidInput  two columns of one thing, none of a channel
 [[nodiscard]] RecordLayout layout_of(const CsvTable& table, const TimeOptions& options,
                                      TimeFile& file);
@@ -43,6 +47,8 @@ struct RecordedTimes {
   std::function<Eigen::VectorXd(Eigen::Index first, Eigen::Index count)> times;
   std::function<int(Eigen::Index row)> line;  ///< line of the file
 };
+/// The name of the column of times; where it is in another unit, that its numbers are told in s.
+[[nodiscard]] std::string time_name(const CsvTable& table, const RecordLayout& layout);
 /// @param table  with a column of the time; it outlives the times
 [[nodiscard]] RecordedTimes times_of(const CsvTable& table, const RecordLayout& layout,
                                      const Stretch& stretch);
@@ -76,12 +82,11 @@ class PeriodRuns {
   int number_ = 0, line_ = 0;  ///< of the run
 };
 
-/// @throws InvalidInput  a sample is empty
+/// The samples in SI where units are known. @throws InvalidInput  a sample is empty
 [[nodiscard]] recordings::Record record_of(const CsvTable& table, const RecordLayout& layout,
                                            const Stretch& stretch);
 
-/// States the units of the outputs, and notes where they are not known.
-/// @return the factor on the outputs' values
-double state_units(TimeFile& file, const TimeOptions& options);
+/// "there is no column time_s, and no sample time is stated", behind the name of the file.
+[[nodiscard]] std::string no_sample_time(const CsvTable& table);
 
 }  // namespace chladni::io

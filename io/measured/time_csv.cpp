@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "io/bytes/csv_table.h"
 #include "io/csv.h"
+#include "io/measured/column_head.h"
 #include "io/measured/time_columns.h"
 #include "io/scan.h"
 #include "io/time_file.h"
@@ -27,8 +28,7 @@ bool has_name(const std::vector<std::string>& names, std::string_view name) {
 double sample_time(const CsvTable& table, const RecordLayout& layout,
                    const std::vector<Stretch>& stretches, const TimeOptions& options) {
   if (layout.time < 0) {
-    require(options.sample_time_s > 0.0,
-            table.file + ": there is no column time_s, and no sample time is stated");
+    require(options.sample_time_s > 0.0, no_sample_time(table));
     return options.sample_time_s;
   }
   check_times(table, layout);
@@ -90,8 +90,6 @@ TimeFile parse_time_csv(std::string_view bytes, const std::string& name,
   for (const auto& stretch : stretches) {
     file.data.records.push_back(record_of(table, layout, stretch));
   }
-  const double factor = state_units(file, options);
-  for (auto& record : file.data.records) record.outputs *= factor;
   return file;
 }
 
@@ -100,7 +98,7 @@ namespace {
 std::string column_name(const modal::MeasuredChannel& channel, Side side) {
   RecordLayout nothing;
   const auto is_read_back = [&](std::string word) {
-    return special_column(word, nothing) == nullptr &&
+    return special_column(word, nothing) == nullptr && channel_and_unit(word).second.empty() &&
            side_of(word, {}) == std::pair(side, channel.name) && trimmed(word) == word &&
            word.find_first_of("\r\n") == std::string_view::npos && !number_in(word) &&
            word.front() != '#';
@@ -108,7 +106,7 @@ std::string column_name(const modal::MeasuredChannel& channel, Side side) {
   if (is_read_back(channel.name)) return channel.name;
   std::string word = std::string(kSidePrefix[static_cast<std::size_t>(side)]) + channel.name;
   require(is_read_back(word), "CSV cannot hold the channel name " + shown(channel.name) +
-                                  "; expected one without line ends and blanks around it");
+                                  "; expected one without line ends, blanks around it and a unit");
   return word;
 }
 

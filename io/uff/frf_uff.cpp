@@ -172,6 +172,7 @@ class Collector {
     file_.set.value = empty_lines(std::complex<double>(kNan, kNan));
     std::map<std::pair<Index, Index>, const UffFunction*> seen;
     std::vector<std::optional<UffScale>> of_output(file_.set.outputs.size());
+    std::set<Index> known_inputs;
     for (const auto& [function, i, j] : responses_) {
       const auto [other, is_new] = seen.emplace(std::pair(i, j), function);
       if (!is_new) {
@@ -179,7 +180,7 @@ class Collector {
         continue;
       }
       const auto output = motion_scale(*function);
-      const auto input = force_scale(function->reference, function->denominator, function->units);
+      const auto input = input_scale(*function);
       auto& known = of_output[static_cast<std::size_t>(i)];
       if (known && (known->kind != output.kind || known->unit != output.unit)) {
         fail(place(*function) +
@@ -192,7 +193,12 @@ class Collector {
         add_note(unknown_abscissa(function->abscissa, "Hz"));
       }
       state_unit(file_.set.outputs[static_cast<std::size_t>(i)], output);
-      state_unit(file_.set.inputs[static_cast<std::size_t>(j)], input);
+      auto& channel = file_.set.inputs[static_cast<std::size_t>(j)];
+      if (!known_inputs.insert(j).second && channel.unit != input.unit) {
+        add_note("the unit of the input " + channel.name +
+                 " is stated in some responses only: each is read as it says");
+      }
+      state_unit(channel, input);
       for (Index k = 0; k < file_.set.line_count(); ++k) {
         file_.set.value[static_cast<std::size_t>(k)](i, j) =
             function->y(k) * (output.factor / input.factor);

@@ -22,10 +22,15 @@ std::string lower(std::string word) {
   return word;
 }
 
+std::string without_brackets(std::string label) {
+  std::erase_if(label, [](char c) { return c == '(' || c == ')' || c == '[' || c == ']'; });
+  return label;
+}
+
 // The unit in a label: "(m/s^2)", "M/S2", "g's". In "m/s^2/N" only the part before the last slash
 // counts.
-std::optional<MotionUnit> motion_of_label(std::string label) {
-  std::erase_if(label, [](char c) { return c == '(' || c == ')' || c == '[' || c == ']'; });
+std::optional<MotionUnit> motion_of_label(const std::string& stated) {
+  auto label = without_brackets(stated);
   if (upper(label) == "G" || upper(label) == "G'S" || upper(label) == "GS") label = "g";
   if (auto unit = motion_unit(label)) return unit;
   if (auto unit = motion_unit(lower(label))) return unit;
@@ -33,6 +38,23 @@ std::optional<MotionUnit> motion_of_label(std::string label) {
   if (stroke == std::string_view::npos || !force_unit(label.substr(stroke + 1)))
     return std::nullopt;
   return motion_of_label(label.substr(0, stroke));
+}
+
+// The force in "g/lbf": N per its unit.
+std::optional<double> force_beside_motion(const std::string& stated) {
+  const auto label = without_brackets(stated);
+  const auto stroke = label.rfind('/');
+  if (stroke == std::string::npos || motion_unit(label) || motion_unit(lower(label))) {
+    return std::nullopt;
+  }
+  return motion_of_label(label.substr(0, stroke)) ? force_unit(label.substr(stroke + 1))
+                                                  : std::nullopt;
+}
+
+// @param has_164  its unit is taken
+std::string not_known(const std::string& unit, bool has_164) {
+  return "the unit " + shown(unit) + " is not known: " +
+         (has_164 ? "that of dataset 164 is taken" : "values are as they stand");
 }
 
 std::optional<modal::FrfKind> kind_of(int type) {
@@ -67,20 +89,6 @@ bool is_rotation(const UffDof& dof) { return std::abs(dof.direction) > 3; }
 const char* si_of_rotation(modal::FrfKind kind) {
   constexpr const char* units[] = {"rad", "rad/s", "rad/s^2"};
   return units[static_cast<std::size_t>(kind)];
-}
-
-std::string without_brackets(std::string label) {
-  std::erase_if(label, [](char c) { return c == '(' || c == ')' || c == '[' || c == ']'; });
-  return label;
-}
-
-// A unit in SI; none where it is of another kind.
-std::optional<double> factor_of(const std::string& unit, const std::string& si) {
-  try {
-    return unit_factor(unit, si);
-  } catch (const InvalidInput&) {
-    return std::nullopt;
-  }
 }
 
 // The unit of a label over that of a rotation: "rad", "(deg/s)", "RAD/S2/N".
@@ -203,6 +211,9 @@ UffScale motion_scale(const UffFunction& function) {
   } else if (axis.type == 0) {
     scale.unit = axis.unit;  // another unit such as volts stays as it is
   }
+  if (!label && kind_of(axis.type) && !axis.unit.empty()) {
+    scale.note = not_known(axis.unit, units.has_value());
+  }
   if (!units || !kind_of(axis.type)) return scale;
   if (!label) {
     scale.factor = units->length;
@@ -227,8 +238,24 @@ UffScale force_scale(const UffDof& dof, const UffAxis& axis, const std::optional
   } else if (units && is_load(axis)) {
     scale.factor = units->force;
     scale.unit = "N";
-  } else if (axis.type == 0) {
-    scale.unit = axis.unit;
+    if (!axis.unit.empty()) scale.note = not_known(axis.unit, true);
+  } else {
+    scale.unit = axis.unit;  // another unit such as volts stays as it is
+  }
+  return scale;
+}
+
+UffScale input_scale(const UffFunction& function) {
+  auto scale = force_scale(function.reference, function.denominator, function.units);
+  const auto beside = force_beside_motion(function.ordinate.unit);
+  if (!beside || is_rotation(function.reference)) return scale;
+  if (function.denominator.unit.empty()) {
+    scale = UffScale{};
+    scale.factor = *beside;
+    scale.unit = "N";
+  } else if (scale.unit == "N" && std::abs(scale.factor / *beside - 1.0) > 1e-3) {
+    scale.note = "the unit " + shown(function.denominator.unit) + " of the input is not that in " +
+                 shown(function.ordinate.unit) + ": that of the input is taken";
   }
   return scale;
 }

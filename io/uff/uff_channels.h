@@ -39,7 +39,7 @@ struct UffScale {
   double factor = 1.0;
   std::string unit;
   std::optional<modal::FrfKind> kind;  ///< for a motion
-  std::string note;                    ///< set where label and dataset 164 contradict each other
+  std::string note;  ///< set where units contradict each other, or one is not known
 };
 /// The scale of a displacement, velocity or acceleration, from its label, else from dataset 164. A
 /// rotation is in rad, rad/s or rad/s^2: no unit of length scales it, and a study has no such
@@ -49,6 +49,10 @@ struct UffScale {
 /// rotation it is a moment, in N m.
 [[nodiscard]] UffScale force_scale(const UffDof& dof, const UffAxis& axis,
                                    const std::optional<UffUnits>& units);
+
+/// The scale of the force of a response: that of its denominator, or the one beside the motion
+/// ("g/lbf") where the denominator has no unit.
+[[nodiscard]] UffScale input_scale(const UffFunction& function);
 
 /// Whether the type of the data is that of a reaction or an excitation.
 [[nodiscard]] bool is_load(const UffAxis& axis);

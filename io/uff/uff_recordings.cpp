@@ -198,6 +198,8 @@ void UffRecordings::finish() {
   for (const auto side : {Side::output, Side::input, Side::reference}) {
     place_channels(uff_, length, channels(side), file_.notes);
   }
+  for (const auto& input : file_.data.inputs) note_unknown(input, file_.notes);
+  note_unused(options_.unit, file_.data.outputs, file_.notes);
   const auto numbers = realisations();
   for (const auto& [key, parts] : parts_) {
     add_record(key[0], numbers.at({key[1], key[2]}), parts);

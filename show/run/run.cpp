@@ -127,8 +127,7 @@ Run::Run(const study::Study& study, Options options, std::ostream& results, Talk
       options_(std::move(options)),
       results_(results),
       talk_(talk),
-      folder_(choices().folder),
-      started_(folder_.began()) {
+      folder_(choices().folder) {
   const auto note = cache_place().note;
   if (options_.cache && !note.empty()) talk_.note(note);
 }
@@ -156,11 +155,12 @@ void Run::put_companions_aside(const std::vector<std::string>& outdated) {
     });
   };
   std::vector<std::string> kept;
+  const auto began = folder_.began();
   for (const auto& [result, files] : kCompanions) {
     if (!replaced_.contains(std::string(result))) continue;
     for (const auto file : files) {
       const auto older = *this / file;
-      if (!is_regular(older) || std::filesystem::last_write_time(older) >= started_) continue;
+      if (!is_regular(older) || std::filesystem::last_write_time(older) >= began) continue;
       if (is_owned(file) || is_read(older)) continue;
       if (older.extension() == ".pvd") put_frames_aside(older);
       std::filesystem::rename(older, *this / before(older));

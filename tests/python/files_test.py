@@ -103,6 +103,9 @@ class Responses(unittest.TestCase):
             chladni.Frf([2.0, 1.0], np.zeros((2, 1, 1)), ["y"], ["u"])
         with self.assertRaisesRegex(ValueError, "two output"):
             chladni.Frf(f, np.zeros((2, 2, 1)), ["y", "y"], ["u"])
+        with self.assertRaisesRegex(ValueError, "without a phase"):  # magnitudes
+            chladni.Frf(f, np.ones((2, 1, 1)), ["y"], ["u"])
+        self.assertEqual(chladni.Frf(f, [[[1 + 0j]], [[2 + 0j]]], ["y"], ["u"]).value[1, 0, 0], 2)
         with self.assertRaisesRegex(ValueError, "there_is_none.csv"):
             chladni.read_frf(self.folder / "there_is_none.csv")
         with self.assertRaisesRegex(ValueError, "expected displacement, velocity or acceleration"):

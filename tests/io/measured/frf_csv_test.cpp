@@ -135,8 +135,11 @@ TEST(FrfCsv, PutsTheStatedUnitIntoSi) {
                         {"mm/s^2", "m/s^2", 1e-3, modal::FrfKind::accelerance},
                         {"m/s^2/kN", "m/s^2", 1e-3, modal::FrfKind::accelerance},
                         {"um/V", "m", 1e-6, modal::FrfKind::receptance},
+                        {"mg/N", "m/s^2", 9.80665e-3, modal::FrfKind::accelerance},
+                        {"g/lbs", "m/s^2", 9.80665 / 4.4482216152605, modal::FrfKind::accelerance},
                         {"[mm]", "m", 1e-3, modal::FrfKind::receptance},
                         {"(um/N)", "m", 1e-6, modal::FrfKind::receptance},
+                        {"(m/s^2)/(N)", "m/s^2", 1.0, modal::FrfKind::accelerance},
                         {"um N^-1", "m", 1e-6, modal::FrfKind::receptance},
                         {"mm s^-2 kN^-1", "m/s^2", 1e-6, modal::FrfKind::accelerance},
                         {"V", "V", 1.0, modal::FrfKind::receptance}};
@@ -153,7 +156,7 @@ TEST(FrfCsv, PutsTheStatedUnitIntoSi) {
 }
 
 TEST(FrfCsv, RefusesWhatIsNoUnitOfASensor) {
-  for (const auto* unit : {"UM", "foo", "foo/N", "kg", "m m", "[]"}) {
+  for (const auto* unit : {"UM", "foo", "foo/N", "um/foo", "kg", "m m", "[]"}) {
     FrfOptions options;
     options.unit = unit;
     const auto said = refusal_of(

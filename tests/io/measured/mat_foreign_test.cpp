@@ -85,6 +85,15 @@ TEST_F(Mat, AnArrayOfMillionsIsNotMillionsOfChannels) {
   refused({step, doubles("y", {2, 200'000}, many)}, "200000 outputs, expected at most");
 }
 
+TEST_F(Mat, ARateIsASampleTime) {
+  const TemporaryFile file("rate.mat");
+  const auto y = doubles("y", {4, 1}, {1.0, 2.0, 3.0, 4.0});
+  put(file.path, version_5({doubles("Fs", {1, 1}, {2048.0}), y}));
+  EXPECT_EQ(read_time(file.path).data.sample_time_s, 1.0 / 2048.0);
+  put(file.path, version_5({doubles("Fs", {1, 1}, {2048.0}), doubles("Ts", {1, 1}, {0.5}), y}));
+  EXPECT_EQ(read_time(file.path).data.sample_time_s, 0.5);
+}
+
 TEST_F(Mat, CountsOfRecordingsAreWholeNumbers) {
   const TemporaryFile file("counts.mat");
   const std::vector<double> samples{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0};

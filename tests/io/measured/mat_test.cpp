@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <matio.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -260,6 +261,26 @@ TEST_F(Mat, UnitsAreBroughtToSi) {
   EXPECT_EQ(set.inputs[0].unit, "N");
 }
 
+// "um/N" of an output was no unit, "LBF" of an input was a newton, and the unit of f was not read.
+TEST_F(Mat, UnitsAreReadAsProgramsSpellThem) {
+  const auto file = of({{"f", lines(5)},
+                        {"f_unit", std::string("kHz")},
+                        {"H", counting({5, 2, 1})},
+                        {"output_unit", std::string("um/N")}});
+  EXPECT_EQ(file.set.frequency_hz(1), 2000.0);
+  EXPECT_NEAR(file.set.value[0](1, 0).real(), 6e-6, 1e-20);
+  EXPECT_EQ(file.set.outputs[1].unit, "m");
+  EXPECT_EQ(file.set.inputs[0].unit, "N");
+  const auto with = [](const std::string& input) {
+    return of({{"f", lines(5)}, {"H", counting({5, 1, 1})}, {"input_unit", input}});
+  };
+  EXPECT_NEAR(with("LBF").set.value[0](0, 0).real(), 1.0 / 4.4482216152605, 1e-12);
+  const auto notes = with("counts").notes;
+  EXPECT_TRUE(std::ranges::any_of(notes, [](const auto& note) {
+    return note.find("the unit 'counts' of the input u1 is not known") != std::string::npos;
+  })) << testing::PrintToString(notes);
+}
+
 struct Fault {
   const char* word;
   MatFields fields;
@@ -278,6 +299,7 @@ TEST_F(Mat, RefusalsNameTheVariable) {
       {"lines may be first or last", {{"f", lines(3)}, {"H", counting({3, 3})}}},
       {"expected lines x outputs", {{"f", lines(3)}, {"H", counting({3, 3, 3, 2})}}},
       {"the responses are a cell", {{"f", lines(3)}, {"H", Texts{"a"}}}},
+      {"without a phase", {{"f", lines(3)}, {"H", counting({3, 1, 1}, false)}}},
       {"the frequencies is a char", {{"f", std::string("abc")}, {"H", counting({3, 1, 1})}}},
       {"frequency 2 is 2",
        {{"f", Eigen::MatrixXd(Eigen::Vector3d(2, 2, 3))}, {"H", counting({3, 1, 1})}}},

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -22,6 +23,20 @@ TEST(ShapeTable, ReadsModesByLineAndChannelsByColumn) {
   EXPECT_EQ(table.damping_ratio, Eigen::Vector2d(0.004, 0.002));
   EXPECT_EQ(table.values, (Eigen::Matrix2d() << 0.1, 0.3, -0.2, 0.4).finished());
   EXPECT_EQ(table.deviation, (Eigen::Matrix2d() << 0.01, 0.02, 0.0, 0.0).finished());
+}
+
+// As tables of responses, and as a German Excel writes them.
+TEST(ShapeTable, MayBeSeparatedBySemicolonsOrTabs) {
+  for (const char separator : {';', '\t'}) {
+    std::string bytes = "frequency_hz,s1,s2,std_s1\r\n139.2,0.1,,0.01\r\n250,0.3,0.4,0.02\r\n";
+    std::ranges::replace(bytes, ',', separator);
+    const auto table = parse_shapes(bytes, "t.csv", ShapesStated::partly);
+    ASSERT_EQ(table.channels, (std::vector<std::string>{"s1", "s2"}));
+    EXPECT_EQ(table.frequency_hz, Eigen::Vector2d(139.2, 250.0));
+    EXPECT_TRUE(std::isnan(table.values(1, 0)));
+    EXPECT_EQ(table.values(1, 1), 0.4);
+    EXPECT_EQ(table.deviation(0, 1), 0.02);
+  }
 }
 
 TEST(ShapeTable, AByteOrderMarkIsNoPartOfAName) {
@@ -94,6 +109,8 @@ INSTANTIATE_TEST_SUITE_P(
                     BrokenTable{"frequency_hz,s1,std_s1\n1,2,0\n", "more than 0"},
                     BrokenTable{"frequency_hz,s1\n1e99,2\n", "found 1e+99 Hz, expected 0, or"},
                     BrokenTable{"frequency_hz,s1\n1e-99,2\n", "found 1e-99 Hz, expected 0, or"},
+                    BrokenTable{"frequency_hz,damping_ratio,s1\n1,0.5,2\n2,1.2,3\n",
+                                "line 3: damping_ratio is 1.2; expected a ratio below 1"},
                     BrokenTable{"frequency_hz,s1\n1,1e200\n", "line 2: s1: found"},
                     BrokenTable{"\xFF\xFE", "UTF-16"},
                     BrokenTable{"frequency_hz,\"s1\n1,2\n", "quote"}));

@@ -291,21 +291,6 @@ TEST(UffAbscissa, FrequenciesBecomeHertz) {
   }
 }
 
-// Accelerations beside the type of displacements were metres, without a word.
-TEST(UffUnits, CountMoreThanTheTypeOfTheData) {
-  for (const bool has_164 : {false, true}) {
-    Sample58 sample;
-    sample.ordinate = 8;
-    sample.unit = "g";
-    const auto file =
-        parse_frf_uff((has_164 ? dataset_164(1.0, 1.0) : "") + dataset_58(sample), "t.uff");
-    EXPECT_EQ(file.set.outputs[0].unit, "m/s^2");
-    EXPECT_EQ(file.set.outputs[0].kind, modal::FrfKind::accelerance);
-    EXPECT_NEAR(file.set.value[0](0, 0).real(), 1.5 * 9.80665, 1e-9);
-    EXPECT_EQ(times(file.notes, "is none of what the type of the data says"), 1);
-  }
-}
-
 // Two quantities of one degree of freedom were two realisations of the first one.
 TEST(TimeUff, ADegreeOfFreedomIsOfOneQuantity) {
   Sample58 acceleration;
