@@ -77,7 +77,8 @@ struct Identified {
 void free_delay(const FitData& data, const FitOptions& options, ModalFit& fit);
 
 /// Puts the modes and the residual of `from` into `into`, whose deviations stay; both have the same
-/// modes. Shapes get the sign that they had in `into`. Complex shapes stay.
+/// modes. Shapes get the sign that they had in `into` where its deviations are finite. Complex
+/// shapes stay.
 void take_values(const ModalFit& from, ModalFit& into);
 
 /// Poles of vector fits of rising order, for the usual stabilisation diagram.

@@ -52,7 +52,7 @@ struct PredictedResponses {
 /// squares, with poles and input vectors of the fit without it. For complex shapes it holds the
 /// real parts. For scoring.
 struct FittedRow {
-  Eigen::RowVectorXd shape, deviation;  ///< m
+  Eigen::RowVectorXd shape, deviation;  ///< m; infinite where no response tells it, its shape is 0
   Eigen::RowVectorXd residual;          ///< q
 };
 /// @param data  of that sensor alone, with the actuators in the order of the fit

@@ -6,6 +6,7 @@
 #include "io/picture_file.h"
 #include "io/report.h"
 #include "io/result_table.h"
+#include "io/shape_table.h"
 #include "show/run.h"
 #include "steps/identification.h"
 
@@ -42,6 +43,11 @@ void leave_detection_lines(const steps::IdentifiedModel& model, Run& run);
 /// identified.json without its head
 [[nodiscard]] io::JsonObject identified_json(const study::Study& study,
                                              const steps::IdentifiedModel& model);
+
+/// identified_shapes.csv: the modes within the lines at all channels in one scale. A value whose
+/// deviation is not known is NaN, an empty cell in the file: a table of shapes has no other word
+/// for what is not known.
+[[nodiscard]] io::ShapeTable identified_shapes(const steps::IdentifiedModel& model);
 
 /// Magnitudes of at most 24 responses: measured, fitted and residual; NaN where not measured.
 [[nodiscard]] io::Plot fit_plot(const steps::IdentifiedModel& model);

@@ -278,9 +278,9 @@ FittedRow fitted_row(const ModalFit& fit, const GainMatch& match, const FitData&
     normal += (weighted * columns).real();
     right += (weighted * data.value.col(j)).real();
   }
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (normal(i, i) == 0.0) normal(i, i) = 1.0;  // occurs for imaginary parts of rigid-body modes
-  }
+  // Imaginary parts of rigid-body modes, and modes that no actuator drives here.
+  const Eigen::ArrayX<bool> untold = normal.diagonal().array() == 0.0;
+  normal.diagonal().array() += untold.cast<double>();
   const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::LDLT<Eigen::MatrixXd> factor(
       Eigen::MatrixXd(scale.asDiagonal() * normal * scale.asDiagonal()));
@@ -288,7 +288,8 @@ FittedRow fitted_row(const ModalFit& fit, const GainMatch& match, const FitData&
       scale.cwiseProduct(factor.solve(Eigen::VectorXd(scale.cwiseProduct(right))));
   const Eigen::MatrixXd inverse = dense::inverse_of(factor);
   const Eigen::VectorXd deviation =
-      (0.5 * inverse.diagonal().cwiseMax(0.0)).cwiseSqrt().cwiseProduct(scale);
+      untold.select(std::numeric_limits<double>::infinity(),
+                    (0.5 * inverse.diagonal().cwiseMax(0.0)).cwiseSqrt().cwiseProduct(scale));
   return {x.head(m).transpose(), deviation.head(m).transpose(), x.tail(q).transpose()};
 }
 

@@ -263,7 +263,9 @@ void take_values(const ModalFit& from, ModalFit& into) {
   const auto before = into.model;
   into.model = from.model;
   for (Eigen::Index m = 0; m < modes; ++m) {
-    if (before.output_shapes.col(m).dot(into.model.output_shapes.col(m)) >= 0.0) continue;
+    const Eigen::ArrayXd along =
+        before.output_shapes.col(m).cwiseProduct(into.model.output_shapes.col(m));
+    if (into.output_std.col(m).array().isFinite().select(along, 0.0).sum() >= 0.0) continue;
     into.model.output_shapes.col(m) *= -1.0;
     into.model.input_shapes.row(m) *= -1.0;
   }

@@ -291,17 +291,35 @@ Descent with_single_modes(const Descent& in_blocks, const Target& target, const 
   return result.misfit.cost <= allowed ? result : in_blocks;
 }
 
+// The channels of each part by their numbers: "y1 y2 from u1; y3 from u2", the first three parts.
+std::string part_names(const std::vector<ConnectedChannels>& parts) {
+  constexpr std::size_t kMostNamed = 3;
+  const auto joined = [](const std::vector<Eigen::Index>& channels, const char* letter) {
+    std::string text;
+    for (const auto c : channels) text += fmt::format(" {}{}", letter, c + 1);
+    return text;
+  };
+  std::string text;
+  for (std::size_t n = 0; n < std::min(parts.size(), kMostNamed); ++n) {
+    text += (n == 0 ? "" : ";") + joined(parts[n].outputs, "y") + " from" +
+            joined(parts[n].inputs, "u");
+  }
+  return text.substr(1) + (parts.size() > kMostNamed ? "; ..." : "");
+}
+
 // Notes that nothing connects the shapes of some channels with those of others: no response between
 // them tells whether a mode of the one is a mode of the other, nor by which factor and sign.
 void note_parts(const MeasuredResponses& measured, ModalFit& fit) {
-  const auto parts = connected_channels(measured).size();
-  if (parts < 2) return;
+  const auto parts = connected_channels(measured);
+  if (parts.size() < 2) return;
   fit.notes.push_back(
-      "the channels are " + fmt::to_string(parts) +
-      " parts without a response between them: a mode that several parts see is mostly found, and "
-      "counts, once in each. How its shape goes on from one part to another is not known, nor are "
-      "the responses between the parts: what shapes and models have there, zeros mostly, says "
-      "nothing. Measure one response between the parts, or identify them one by one");
+      "the channels are " + fmt::to_string(parts.size()) +
+      " parts without a response between them (" + part_names(parts) +
+      "): a mode that several parts see is mostly found, and counts, once in each. How its shape "
+      "goes on from one part to another is not known, nor are the responses between the parts: its "
+      "deviations are finite only in the part that sees it best, and what shapes and models have "
+      "elsewhere, zeros mostly, says nothing. Measure one response between the parts, or identify "
+      "them one by one");
 }
 
 }  // namespace

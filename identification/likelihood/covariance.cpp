@@ -1,6 +1,7 @@
 #include "identification/likelihood/covariance.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -25,6 +26,36 @@ std::vector<Eigen::MatrixXd> idle_changes(const Block& block) {
     }
   }
   return all;
+}
+
+// The changes of (left, right) by them: left += left T, right −= T right.
+Eigen::MatrixXd idle_of(const Block& block) {
+  const auto lefts = block.left.size();
+  const auto changes = idle_changes(block);
+  Eigen::MatrixXd idle(lefts + block.right.size(), static_cast<Eigen::Index>(changes.size()));
+  for (std::size_t c = 0; c < changes.size(); ++c) {
+    auto column = idle.col(static_cast<Eigen::Index>(c));
+    column.head(lefts) = (block.left * changes[c]).reshaped();
+    column.tail(block.right.size()) = -(changes[c] * block.right).reshaped();
+  }
+  return idle;
+}
+
+// Those of each part by itself. A part that does not see all modes of a block has fewer.
+Eigen::MatrixXd idle_in_parts(const Block& block, const Parts& parts) {
+  constexpr double kDependent = 1e-9;
+  Eigen::MatrixXd idle(block.left.size() + block.right.size(), 0);
+  for (const auto& part : parts) {
+    const Eigen::MatrixXd own = idle_of(block_at(block, part));
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(own);
+    qr.setThreshold(kDependent);
+    const auto before = idle.cols();
+    idle.conservativeResize(Eigen::NoChange, before + qr.rank());
+    for (Eigen::Index c = 0; c < qr.rank(); ++c) {
+      idle.col(before + c) = own.col(qr.colsPermutation().indices()(c));
+    }
+  }
+  return idle;
 }
 
 // Parameters that no data determine.
@@ -99,23 +130,21 @@ Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& symmetric, const Eigen::Matrix
 
 }  // namespace
 
-Eigen::MatrixXd idle_directions(const BlockModel& model, Eigen::Index parameters) {
+Eigen::MatrixXd idle_directions(const BlockModel& model, Eigen::Index parameters,
+                                const Parts& parts) {
+  std::vector<Eigen::MatrixXd> all;
   Eigen::Index count = 0;
   for (const auto& block : model.blocks) {
-    count += block.general ? 2 : block.size() * block.size();
+    all.push_back(parts.size() < 2 ? idle_of(block) : idle_in_parts(block, parts));
+    count += all.back().cols();
   }
   Eigen::MatrixXd idle = Eigen::MatrixXd::Zero(parameters, count);
   Eigen::Index column = 0;
   Eigen::Index first = 0;
-  for (const auto& block : model.blocks) {
-    const auto g = block.size();
-    const auto p = block.left.rows();
-    for (const auto& change : idle_changes(block)) {  // left += left T, right −= T right
-      idle.col(column).segment(first, g * p) = (block.left * change).reshaped();
-      idle.col(column++).segment(first + g * p, g * block.right.cols()) =
-          -(change * block.right).reshaped();
-    }
-    first += parameter_count(block);
+  for (std::size_t b = 0; b < all.size(); ++b) {
+    idle.block(first, column, all[b].rows(), all[b].cols()) = all[b];
+    column += all[b].cols();
+    first += parameter_count(model.blocks[b]);
   }
   return idle;
 }

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "identification/likelihood/normal_equations.h"
+#include "identification/likelihood/untold.h"
 
 namespace chladni::identification {
 
@@ -18,8 +19,10 @@ struct Covariance {
   Eigen::VectorXd held_variance;
 };
 
-/// n×d: parameter directions that change no response.
-[[nodiscard]] Eigen::MatrixXd idle_directions(const BlockModel& model, Eigen::Index parameters);
+/// n×d: parameter directions that change no measured response. Where the channels are two parts or
+/// more, each part has those of its own.
+[[nodiscard]] Eigen::MatrixXd idle_directions(const BlockModel& model, Eigen::Index parameters,
+                                              const Parts& parts);
 
 /// Pseudo-inverse of the normal equations. It keeps the idle directions still: the result is
 /// orthogonal to them in the parameters' own metric. Unknown are: parameters that change no

@@ -13,6 +13,7 @@
 #include "identification/constants.h"
 #include "identification/likelihood/covariance.h"
 #include "identification/likelihood/general_mode.h"
+#include "identification/likelihood/untold.h"
 
 namespace chladni::identification {
 namespace {
@@ -22,8 +23,9 @@ double own_frequency(const Block& block) {
   return block.rigid ? 0.0 : std::sqrt(block.stiffness(0, 0));
 }
 
-// Single modes in order of frequency, with signs fixed. A note tells each block that is split.
-BlockModel in_modes(const BlockModel& model, std::vector<std::string>& notes) {
+// Single modes in order of frequency, with signs fixed (in each part, where there are several). A
+// note tells each block that is split.
+BlockModel in_modes(const BlockModel& model, const Parts& parts, std::vector<std::string>& notes) {
   BlockModel result = model;
   result.blocks.clear();
   for (const auto& block : model.blocks) {
@@ -54,6 +56,7 @@ BlockModel in_modes(const BlockModel& model, std::vector<std::string>& notes) {
         block.right.row(a) *= -1.0;
       }
     }
+    if (parts.size() > 1) block = balanced_in_parts(block, parts);
   }
   return result;
 }
@@ -97,11 +100,17 @@ Unknown unknown_of_general(const Unknown& parameters, const Block& block) {
 
 class Filler {
  public:
-  Filler(const BlockModel& model, const Covariance& covariance, ModalFit& fit)
-      : model_(model), covariance_(covariance), fit_(fit) {}
+  // @param weight  p×q: Σ w² of each response
+  Filler(const BlockModel& model, const Covariance& covariance, const Parts& parts,
+         const Eigen::MatrixXd& weight, ModalFit& fit)
+      : model_(model), covariance_(covariance), parts_(parts), weight_(weight), fit_(fit) {}
 
   void fill() {
     for (const auto& block : model_.blocks) {
+      if (parts_.size() > 1) {
+        home_.insert(home_.end(), static_cast<std::size_t>(block.mode_count()),
+                     home_part(block, weight_, parts_));
+      }
       if (block.rigid) {
         add_rigid(block);
       } else if (block.general) {
@@ -111,6 +120,9 @@ class Filler {
       }
     }
   }
+
+  // The part that sees each mode best; empty where all channels are connected.
+  [[nodiscard]] const std::vector<std::size_t>& home() const { return home_; }
 
  private:
   void add_rigid(const Block& block) {
@@ -141,8 +153,12 @@ class Filler {
   void add_general(const Block& block) {
     const auto count = parameter_count(block);
     const auto real = 2 + block.left.rows() + block.right.cols();
-    auto mode = general_mode_of(block, model_.scale,
-                                covariance_.matrix.block(first_, first_, count, count));
+    const Eigen::MatrixXd own = covariance_.matrix.block(first_, first_, count, count);
+    auto mode = general_mode_of(block, model_.scale, own);
+    if (parts_.size() > 1) {  // the rules between both sides hold in the home alone
+      const Block at_home = block_at(block, parts_[home_.back()]);
+      mode.covariance = general_mode_of(at_home, model_.scale, own).covariance;
+    }
     mark(unknown_of_general(covariance_.unknown.segment(first_, count), block), mode.covariance);
     put_complex(mode_, mode.outputs, mode.inputs, mode.covariance);
     put(mode.omega / (2.0 * std::numbers::pi), mode.damping_ratio, mode.outputs.real(),
@@ -206,7 +222,10 @@ class Filler {
 
   const BlockModel& model_;
   const Covariance& covariance_;
+  const Parts& parts_;
+  const Eigen::MatrixXd& weight_;
   ModalFit& fit_;
+  std::vector<std::size_t> home_;
   Eigen::Index first_ = 0, mode_ = 0;
 };
 
@@ -316,58 +335,17 @@ void fill_delays(const BlockModel& model, const Fitted& fitted, const Covariance
       (measured > 0.0).select(own.diagonal().array().max(0.0).sqrt(), kNothing);
 }
 
-void mark_unmeasured_output(Eigen::Index i, ComplexShapes& shapes) {
-  const auto both = shapes.outputs.rows() + shapes.inputs.cols();
-  shapes.output_real_std.row(i).setConstant(kNothing);
-  shapes.output_imaginary_std.row(i).setConstant(kNothing);
-  for (auto& covariance : shapes.covariance) {
-    covariance(2 + i, 2 + i) = covariance(2 + both + i, 2 + both + i) = kNothing;
-  }
-}
-
-void mark_unmeasured_input(Eigen::Index j, ComplexShapes& shapes) {
-  const auto p = shapes.outputs.rows();
-  const auto both = p + shapes.inputs.cols();
-  shapes.input_real_std.col(j).setConstant(kNothing);
-  shapes.input_imaginary_std.col(j).setConstant(kNothing);
-  for (auto& covariance : shapes.covariance) {
-    covariance(2 + p + j, 2 + p + j) = covariance(2 + both + p + j, 2 + both + p + j) = kNothing;
-  }
-}
-
 }  // namespace
-
-void mark_unmeasured(const Eigen::MatrixXd& weight, ModalFit& fit) {
-  fit.residual_std = (weight.array() > 0.0).select(fit.residual_std, kNothing);
-  const auto p = weight.rows();
-  const auto g = fit.model.rigid_count;
-  for (Eigen::Index i = 0; i < p; ++i) {
-    if (weight.row(i).sum() > 0.0) continue;
-    fit.output_std.row(i).setConstant(kNothing);
-    for (auto& covariance : fit.mode_covariance) covariance(2 + i, 2 + i) = kNothing;
-    for (Eigen::Index a = 0; a < g; ++a) fit.rigid_covariance(i + p * a, i + p * a) = kNothing;
-    if (fit.complex) mark_unmeasured_output(i, *fit.complex);
-  }
-  for (Eigen::Index j = 0; j < weight.cols(); ++j) {
-    if (weight.col(j).sum() > 0.0) continue;
-    fit.input_std.col(j).setConstant(kNothing);
-    for (auto& covariance : fit.mode_covariance) covariance(2 + p + j, 2 + p + j) = kNothing;
-    for (Eigen::Index a = 0; a < g; ++a) {
-      const auto at = g * p + a + g * j;
-      fit.rigid_covariance(at, at) = kNothing;
-    }
-    if (fit.complex) mark_unmeasured_input(j, *fit.complex);
-  }
-}
 
 ModalFit with_uncertainty(const Descent& found, const Target& target, const Fitted& fitted,
                           const FitData& data, Damping damping) {
   ModalFit fit;
-  auto model = in_modes(found.model, fit.notes);
+  const auto parts = connected_channels(measured_responses(data.weight, data.outputs));
+  auto model = in_modes(found.model, parts, fit.notes);
   const auto left_over = misfit(model, target, fitted);
   const auto normal = normal_equations(model, left_over, target, fitted);
   const auto parameters = parameter_count(model, fitted);
-  const Eigen::MatrixXd idle = idle_directions(model, parameters);
+  const Eigen::MatrixXd idle = idle_directions(model, parameters, parts);
   fit.cost = left_over.cost;
   fit.measured_count = data.measured_count();
   fit.parameter_count = parameters - idle.cols() +
@@ -383,14 +361,16 @@ ModalFit with_uncertainty(const Descent& found, const Target& target, const Fitt
   covariance.held_variance *= 0.5 * variance;
   if (damping == Damping::general) fit.complex.emplace();
   resize(fit, model, data.outputs, data.inputs);
-  Filler(model, covariance, fit).fill();
+  const Eigen::MatrixXd sums =
+      target.squared.colwise().sum().reshaped(target.outputs, target.inputs);
+  Filler filler(model, covariance, parts, sums, fit);
+  filler.fill();
   note_undamped(model, fit);
-  const Eigen::VectorXd sums = target.squared.colwise().sum().transpose();
-  const Eigen::VectorXd residual = (2.0 * sums.array().max(1e-300) / variance).sqrt().inverse();
-  fit.residual_std = Eigen::Map<const Eigen::MatrixXd>(residual.data(), data.outputs, data.inputs);
+  fit.residual_std = (2.0 * sums.array().max(1e-300) / variance).sqrt().inverse();
   fill_delays(model, fitted, covariance, fit);
-  fit.groups = groups_of(sums.reshaped(target.outputs, target.inputs), fit);
-  mark_unmeasured(sums.reshaped(target.outputs, target.inputs), fit);
+  fit.groups = groups_of(sums, fit);
+  mark_other_parts(parts, filler.home(), fit);
+  mark_unmeasured(sums, fit);
   if (!fitted.residual) fit.residual_std.setZero();
   return fit;
 }

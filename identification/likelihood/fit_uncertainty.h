@@ -13,9 +13,4 @@ namespace chladni::identification {
 [[nodiscard]] ModalFit with_uncertainty(const Descent& found, const Target& target,
                                         const Fitted& fitted, const FitData& data, Damping damping);
 
-/// Sets infinite deviations where no data exist: residuals, shapes and rigid-body rows of channels
-/// without a measured response.
-/// @param weight  p×q, for each response; 0 where it is not measured
-void mark_unmeasured(const Eigen::MatrixXd& weight, ModalFit& fit);
-
 }  // namespace chladni::identification

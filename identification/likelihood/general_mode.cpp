@@ -70,6 +70,7 @@ Eigen::MatrixXd held(const Eigen::VectorXcd& l, const Eigen::RowVectorXcd& r) {
   const Complex j(0.0, 1.0);
   Eigen::MatrixXd idle(2 * (p + q), 2);
   idle << column(l, -r), column(j * l, -j * r);
+  if (idle.isZero(0.0)) return Eigen::MatrixXd::Identity(2 * (p + q), 2 * (p + q));
   Eigen::MatrixXd rule = idle;
   const Complex sum = (l.array() * l.array()).sum() + std::conj((r.array() * r.array()).sum());
   if (std::abs(sum) > 1e-6 * (l.squaredNorm() + r.squaredNorm())) {

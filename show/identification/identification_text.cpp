@@ -7,7 +7,6 @@
 #include "base/percent.h"
 #include "io/csv.h"
 #include "io/mat.h"
-#include "io/shape_table.h"
 #include "modal/state_space.h"
 #include "show/control_models.h"
 #include "show/figures/stored_curves.h"
@@ -349,6 +348,15 @@ io::JsonObject identified_json(const study::Study& study, const steps::Identifie
   return json;
 }
 
+io::ShapeTable identified_shapes(const steps::IdentifiedModel& model) {
+  const auto within = steps::modes_within(model);
+  const auto& modes = model.found.fit.model;
+  const Eigen::MatrixXd deviation = model.match.deviation(Eigen::all, within);
+  const Eigen::MatrixXd shapes = model.match.shapes(Eigen::all, within);
+  return {row_names(model), modes.frequency_hz(within), modes.damping_ratio(within),
+          deviation.array().isFinite().select(shapes, std::nan("")), deviation};
+}
+
 void leave_identification(const study::Study& study, const steps::IdentifiedModel& model, Run& run,
                           bool main_result) {
   const auto& fit = model.found.fit;
@@ -360,11 +368,7 @@ void leave_identification(const study::Study& study, const steps::IdentifiedMode
   }
   leave_detection_lines(model, run);
   io::write_mat(run / "identified.mat", variables);
-  const auto within = steps::modes_within(model);
-  io::write_shapes(
-      run / "identified_shapes.csv",
-      {row_names(model), extended.frequency_hz(within), extended.damping_ratio(within),
-       model.match.shapes(Eigen::all, within), model.match.deviation(Eigen::all, within)});
+  io::write_shapes(run / "identified_shapes.csv", identified_shapes(model));
   leave_modes_uff(study, model, run);
   if (run.options().pictures) tell(run.progress(), "drawing");
   run.paint("fit.png", [&](const auto& png) { draw_fit(model, png); });

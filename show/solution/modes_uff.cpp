@@ -80,10 +80,16 @@ void join(Node& node, Index row, const Eigen::Vector3d& direction) {
   node.directions.bottomRows(1) = direction.transpose();
 }
 
+// Whether something is known of a row: values, and where they are stated also a deviation.
+bool was_measured(const identification::GainMatch& match, Index row) {
+  if (!match.shapes.row(row).allFinite()) return false;
+  return match.deviation.size() == 0 || match.deviation.row(row).array().isFinite().any();
+}
+
 std::vector<Node> nodes_of(const study::Study& study, const steps::IdentifiedModel& model) {
   std::vector<Node> nodes;
   for (Index row = 0; row < std::ssize(model.match.rows); ++row) {
-    if (!model.match.shapes.row(row).allFinite()) continue;  // not measured
+    if (!was_measured(model.match, row)) continue;
     const auto channel = channel_of(study, model, row);
     auto known = known_node(nodes, channel);
     if (known == nodes.end()) {

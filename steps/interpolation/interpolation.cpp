@@ -155,7 +155,7 @@ void score_hidden(const Interpolated& result, Interpolation& interpolation) {
                                  hidden.noise.row(c).array().square())
                                     .sqrt();
     interpolation.hidden_covered(c) =
-        band.isNaN().any()
+        !band.isFinite().all()
             ? std::numeric_limits<double>::quiet_NaN()
             : (wrong.transpose().array().abs() <= priors::kTwoSided95 * band).cast<double>().mean();
     interpolation.hidden_frf_error(c) = std::numeric_limits<double>::quiet_NaN();

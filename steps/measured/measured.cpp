@@ -6,8 +6,10 @@
 
 #include "base/draw.h"
 #include "base/error.h"
+#include "io/scan.h"
 #include "io/shape_table.h"
 #include "steps/interpolation.h"
+#include "steps/measured/modes_of_files.h"
 
 namespace chladni::steps {
 namespace {
@@ -105,8 +107,61 @@ Values values_of_truth(const study::Study& study, const stage::Solution& solutio
   return values;
 }
 
-io::ShapeTable table_of_file(const study::MeasurementPlan& plan) {
-  auto table = io::read_shapes(plan.shapes);
+io::ShapeTable table_part(const io::ShapeTable& table, const std::vector<Eigen::Index>& rows,
+                          const std::vector<Eigen::Index>& modes) {
+  auto part = table;
+  part.channels.clear();
+  for (const auto row : rows) {
+    part.channels.push_back(table.channels[static_cast<std::size_t>(row)]);
+  }
+  part.frequency_hz = table.frequency_hz(modes);
+  part.damping_ratio = table.damping_ratio(modes);
+  part.values = table.values(rows, modes);
+  part.deviation = table.deviation(rows, modes);
+  part.frequency_std_hz = table.frequency_std_hz(modes);
+  part.damping_std = table.damping_std(modes);
+  return part;
+}
+
+// Empty cells of values are not known: channels that no mode knows are left out, then modes that do
+// not know all the others, since the interpolators take a value of each mode at each channel.
+io::ShapeTable known_part(const io::ShapeTable& table, const std::string& file, stage::Work& work) {
+  const Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> known = table.values.array().isFinite();
+  if (known.all()) return table;
+  std::vector<Eigen::Index> rows;
+  std::vector<Eigen::Index> modes;
+  std::vector<std::string> lacking;
+  for (Eigen::Index k = 0; k < table.values.rows(); ++k) {
+    if (known.row(k).any()) {
+      rows.push_back(k);
+    } else {
+      lacking.push_back("\"" + table.channels[static_cast<std::size_t>(k)] + "\"");
+    }
+  }
+  for (Eigen::Index i = 0; i < table.values.cols() && !rows.empty(); ++i) {
+    if (known.col(i)(rows).all()) {
+      modes.push_back(i);
+    } else {
+      lacking.push_back(fmt::format("the mode at {:.6g} Hz", table.frequency_hz(i)));
+    }
+  }
+  const auto left_out = known.size() - known.count();
+  require(!modes.empty(),
+          fmt::format("{}: empty cells: {}, and no mode has a value at each channel; expected one, "
+                      "leave out columns of channels that were not measured",
+                      file, left_out));
+  work.warn(fmt::format("{}: values that are not known (empty cells): {}; left out with them: {}",
+                        file, left_out, io::listed(lacking)));
+  return table_part(table, rows, modes);
+}
+
+io::ShapeTable table_of_file(const study::MeasurementPlan& plan, stage::Work& work) {
+  const auto file = plan.shapes.string();
+  const auto read = io::read_shapes(plan.shapes, io::ShapesStated::partly);
+  require(!read.channels.empty(), file + ": there is no column of a channel");
+  auto table = known_part(read, file, work);
+  warn_of_unstated(table, file, work);
+  table.damping_ratio = table.damping_ratio.array().isNaN().select(0.0, table.damping_ratio);
   for (Eigen::Index i = 0; i < table.values.cols(); ++i) {
     const double rms =
         table.values.col(i).norm() / std::sqrt(static_cast<double>(table.values.rows()));
@@ -143,8 +198,7 @@ void warn_of_strangers(const io::ShapeTable& table, const std::vector<ChannelSit
   for (const auto& channel : channels) {
     if (std::find(table.channels.begin(), table.channels.end(), channel.name) ==
         table.channels.end()) {
-      work.note("\"" + channel.name + "\" was not measured: " + file +
-                " has no column of that name");
+      work.note("\"" + channel.name + "\" was not measured: " + file + " has no value of it");
     }
   }
 }
@@ -204,7 +258,7 @@ Measured measured(const study::Study& study, const stage::Solution& solution,
   if (!study.measurement->truth.empty()) {
     values = values_of_truth(study, solution, channels, simulation, work);
   } else {
-    values.table = table_of_file(*study.measurement);
+    values.table = table_of_file(*study.measurement, work);
     warn_of_strangers(values.table, channels, study.measurement->shapes.string(), work);
   }
   const auto& hold_out = study.measurement->hold_out;

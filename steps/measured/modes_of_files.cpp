@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,7 +10,6 @@
 #include "base/error.h"
 #include "io/node_shapes.h"
 #include "io/scan.h"
-#include "io/shape_table.h"
 
 namespace chladni::steps {
 namespace {
@@ -141,10 +141,25 @@ Eigen::RowVectorXcd row_of(const std::vector<io::NodeShape>& modes, const AtNode
 
 }  // namespace
 
+void warn_of_unstated(const io::ShapeTable& table, const std::string& file, stage::Work& work) {
+  const Eigen::ArrayXX<bool> is_stated = table.deviation.array() > 0.0;
+  Index count = 0;
+  for (Index k = 0; k < is_stated.rows(); ++k) {
+    if (!is_stated.row(k).any()) continue;
+    count += (table.values.row(k).array().isFinite() && !is_stated.row(k)).count();
+  }
+  if (count == 0) return;
+  work.warn(
+      fmt::format("{}: values without a deviation at channels that have others: {}; "
+                  "measurement.noise is taken for it. Empty their cells too if they are not known",
+                  file, count));
+}
+
 MeasuredModes modes_of_table(const study::Study& study, stage::Work& work) {
   const auto file = study.measurement->modes_file.string();
   const auto table = io::read_shapes(study.measurement->modes_file, io::ShapesStated::partly);
   refuse_strangers(table, study, file);
+  warn_of_unstated(table, file, work);
   auto modes = without_shapes(table.frequency_hz.size());
   modes.frequency_hz = table.frequency_hz;
   const auto positive = table.frequency_hz.array() > 0.0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "diagnosis/measured_modes.h"
+#include "io/shape_table.h"
 #include "stage/work.h"
 #include "study/study.h"
 
@@ -13,5 +14,9 @@ namespace chladni::steps {
 [[nodiscard]] diagnosis::MeasuredModes modes_of_table(const study::Study& study, stage::Work& work);
 [[nodiscard]] diagnosis::MeasuredModes modes_of_uff(const study::Study& study, stage::Work& work);
 [[nodiscard]] diagnosis::MeasuredModes modes_of_identified(const study::Study& study);
+
+/// Warns of values without a deviation at channels that have others: a program may have left the
+/// deviation out because it does not know the value, which is no measurement then.
+void warn_of_unstated(const io::ShapeTable& table, const std::string& file, stage::Work& work);
 
 }  // namespace chladni::steps

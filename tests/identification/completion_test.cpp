@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -130,36 +131,152 @@ TEST(Identified, SaysThatPartsHaveNoCommonChannel) {
       found_with_rank(without_responses(made, {kBetweenParts.begin() + 1, kBetweenParts.end()}))));
 }
 
-// Three modes seen by two sensors from one actuator, and by a third sensor from another: a part has
-// modes of its own, which are no group with those of the other part. No digit mixes them.
-TEST(Identified, MakesNoGroupOfModesOfDifferentParts) {
+using Responses = std::vector<std::pair<Eigen::Index, Eigen::Index>>;  // (output, input)
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+const Eigen::Vector3d kOwnHz(40.0, 90.0, 150.0);
+
+// Three modes of 1 % damping. `shapes` has a row for each sensor, `at` the sensor at each actuator;
+// `noise` is relative to each response. Only some responses are measured.
+FitData three_modes(const Eigen::MatrixXd& shapes, const std::vector<Eigen::Index>& at,
+                    const Responses& measured, const std::vector<double>& noise) {
   simulators::Dice dice(3);
-  FitData data{.outputs = 3, .inputs = 2, .frequency_hz = {}, .value = {}, .weight = {}};
+  const auto p = shapes.rows();
+  const auto q = std::ssize(at);
+  FitData data{.outputs = p, .inputs = q, .frequency_hz = {}, .value = {}, .weight = {}};
   data.frequency_hz = Eigen::VectorXd::LinSpaced(391, 5.0, 200.0);
-  data.value = Eigen::MatrixXcd::Zero(391, 6);
-  data.weight = Eigen::MatrixXd::Zero(391, 6);
-  const Eigen::MatrixXd shapes{{1.0, 0.7, -0.5}, {0.6, -0.9, 0.4}, {-0.8, 0.5, 0.9}};
-  const Eigen::Vector3d own_hz(40.0, 90.0, 150.0);
-  for (const auto& [i, j] :
-       std::vector<std::pair<Eigen::Index, Eigen::Index>>{{0, 0}, {1, 0}, {2, 1}}) {
-    auto response = data.value.col(i + 3 * j);
+  data.value = Eigen::MatrixXcd::Zero(391, p * q);
+  data.weight = Eigen::MatrixXd::Zero(391, p * q);
+  for (std::size_t e = 0; e < measured.size(); ++e) {
+    const auto [i, j] = measured[e];
+    auto response = data.value.col(i + p * j);
     for (Eigen::Index m = 0; m < 3; ++m) {
-      const double residue = shapes(i, m) * shapes(j == 0 ? 0 : 2, m);
+      const double residue = shapes(i, m) * shapes(at[static_cast<std::size_t>(j)], m);
       for (Eigen::Index k = 0; k < 391; ++k) {
         const double hz = data.frequency_hz(k);
         response(k) +=
-            residue / std::complex<double>(own_hz(m) * own_hz(m) - hz * hz, 0.02 * own_hz(m) * hz);
+            residue / std::complex<double>(kOwnHz(m) * kOwnHz(m) - hz * hz, 0.02 * kOwnHz(m) * hz);
       }
     }
-    const double noise = 3e-3 * response.norm() / std::sqrt(391.0);
-    response += noise / std::sqrt(2.0) *
+    const double size = noise[e] * response.norm() / std::sqrt(391.0);
+    response += size / std::sqrt(2.0) *
                 (dice.normal(391, 1).cast<std::complex<double>>() +
                  std::complex<double>(0.0, 1.0) * dice.normal(391, 1).cast<std::complex<double>>());
-    data.weight.col(i + 3 * j).setConstant(1.0 / noise);
+    data.weight.col(i + p * j).setConstant(1.0 / size);
   }
+  return data;
+}
+
+// Three modes seen by two sensors from one actuator, and by a third sensor from another: a part has
+// modes of its own, which are no group with those of the other part. No digit mixes them.
+TEST(Identified, MakesNoGroupOfModesOfDifferentParts) {
+  const Eigen::MatrixXd shapes{{1.0, 0.7, -0.5}, {0.6, -0.9, 0.4}, {-0.8, 0.5, 0.9}};
+  const auto data =
+      three_modes(shapes, {0, 2}, {{0, 0}, {1, 0}, {2, 1}}, std::vector<double>(3, 3e-3));
   const auto fit = identified(data).fit;
   EXPECT_EQ(fit.model.mode_count(), 6);
   EXPECT_EQ(std::ssize(fit.groups), fit.model.mode_count());
+}
+
+// Two sensors and two actuators on each of two parts; the responses of the second part are noisier.
+const Eigen::MatrixXd kShapesOfTwoParts{
+    {1.0, 0.7, -0.5}, {0.6, -0.9, 0.4}, {-0.8, 0.5, 0.9}, {0.5, 0.8, -0.7}};
+
+FitData two_parts() {
+  const Responses measured{{0, 0}, {1, 0}, {0, 1}, {1, 1}, {2, 2}, {3, 2}, {2, 3}, {3, 3}};
+  std::vector<double> noise(4, 3e-3);
+  noise.resize(8, 3e-2);
+  return three_modes(kShapesOfTwoParts, {0, 1, 2, 3}, measured, noise);
+}
+
+// The true modes at the first channels, each one mode over both parts. The second part's outputs
+// are `factor` times too large and its inputs as much too small, which changes no measured
+// response.
+Start over_parts(Eigen::Index channels, double factor) {
+  Start start;
+  start.pole.resize(3);
+  for (Eigen::Index m = 0; m < 3; ++m) {
+    start.pole(m) = kTurn * kOwnHz(m) * std::complex<double>(-0.01, std::sqrt(1.0 - 1e-4));
+    Eigen::VectorXd outputs = kShapesOfTwoParts.col(m);
+    Eigen::VectorXd inputs = outputs;
+    outputs.tail(2) *= factor;
+    inputs.tail(2) /= factor;
+    start.residue.emplace_back(kTurn * kTurn * outputs.head(channels) *
+                               inputs.head(channels).transpose());
+  }
+  return start;
+}
+
+// The first part sees the modes better: there the shapes are known, in the other they are not, as
+// no response tells their scale.
+void expect_known_in_the_first_part(const ModalFit& fit) {
+  ASSERT_EQ(fit.model.mode_count(), 3);
+  EXPECT_TRUE(fit.output_std.topRows(2).allFinite());
+  EXPECT_TRUE(fit.input_std.leftCols(2).allFinite());
+  EXPECT_FALSE(fit.output_std.bottomRows(2).array().isFinite().any());
+  EXPECT_FALSE(fit.input_std.rightCols(2).array().isFinite().any());
+  EXPECT_GT(fit.output_std.topRows(2).minCoeff(), 0.0);
+  for (Eigen::Index m = 0; m < 3; ++m) {
+    const Eigen::MatrixXd& covariance = fit.mode_covariance[static_cast<std::size_t>(m)];
+    for (const Eigen::Index unknown : {4, 5, 8, 9}) {
+      EXPECT_TRUE(std::isinf(covariance(unknown, unknown)));
+      EXPECT_EQ((covariance.row(unknown).array() == 0.0).count(), covariance.cols() - 1);
+    }
+    // The lengths of both sides are equal in each part; the covariance holds that rule.
+    const Eigen::Vector2d l = fit.model.output_shapes.col(m).head(2);
+    const Eigen::Vector2d r = fit.model.input_shapes.row(m).head(2).transpose();
+    EXPECT_NEAR(l.norm(), r.norm(), 1e-9 * l.norm());
+    EXPECT_NEAR(fit.model.output_shapes.col(m).tail(2).norm(),
+                fit.model.input_shapes.row(m).tail(2).norm(), 1e-9 * l.norm());
+    Eigen::Vector4d along;
+    along << l, -r;
+    const std::vector<Eigen::Index> known{2, 3, 6, 7};
+    const Eigen::Matrix4d own = covariance(known, known);
+    EXPECT_LT((own * along).norm(), 1e-6 * own.norm() * along.norm());
+  }
+}
+
+// A mode that two parts see has a scale for each, and the data tell none between them. What it
+// starts from decides nothing, and the part that is told is told as by itself.
+TEST(ModalFit, KnowsAModeOverTwoPartsInOneOfThem) {
+  const auto data = two_parts();
+  const auto fit = modal_fit(data, over_parts(4, 1.0));
+  expect_known_in_the_first_part(fit);
+  const auto scaled = modal_fit(data, over_parts(4, 5.0));
+  expect_known_in_the_first_part(scaled);
+  const double size = fit.model.output_shapes.cwiseAbs().maxCoeff();
+  EXPECT_LT((scaled.model.output_shapes - fit.model.output_shapes).norm(), 1e-3 * size);
+  EXPECT_LT((scaled.model.input_shapes - fit.model.input_shapes).norm(), 1e-3 * size);
+  const auto alone =
+      modal_fit(three_modes(kShapesOfTwoParts.topRows(2), {0, 1}, {{0, 0}, {1, 0}, {0, 1}, {1, 1}},
+                            std::vector<double>(4, 3e-3)),
+                over_parts(2, 1.0));
+  const Eigen::ArrayXXd ratio = fit.output_std.topRows(2).array() / alone.output_std.array();
+  EXPECT_LT(ratio.maxCoeff(), 1.05);
+  EXPECT_GT(ratio.minCoeff(), 0.7);
+  EXPECT_LT((fit.model.output_shapes.topRows(2) - alone.model.output_shapes).cwiseAbs().maxCoeff(),
+            3.0 * alone.output_std.maxCoeff());
+  // Ten parameters of a mode less one scale for each part, and the constants.
+  EXPECT_EQ(fit.parameter_count, 3 * (10 - 2) + 8);
+}
+
+TEST(ModalFit, KnowsAComplexModeOverTwoPartsInOneOfThem) {
+  const auto fit = modal_fit(two_parts(), over_parts(4, 3.0), {.damping = Damping::general});
+  ASSERT_TRUE(fit.complex);
+  const auto& shapes = *fit.complex;
+  EXPECT_TRUE(shapes.output_real_std.topRows(2).allFinite());
+  EXPECT_TRUE(shapes.output_imaginary_std.topRows(2).allFinite());
+  EXPECT_TRUE(shapes.input_imaginary_std.leftCols(2).allFinite());
+  EXPECT_FALSE(shapes.output_real_std.bottomRows(2).array().isFinite().any());
+  EXPECT_FALSE(shapes.output_imaginary_std.bottomRows(2).array().isFinite().any());
+  EXPECT_FALSE(shapes.input_real_std.rightCols(2).array().isFinite().any());
+  EXPECT_FALSE(shapes.input_imaginary_std.rightCols(2).array().isFinite().any());
+  EXPECT_TRUE(fit.frequency_std_hz.allFinite());
+  EXPECT_EQ(fit.parameter_count, 3 * (18 - 4) + 8);
+  // Modal damping: the imaginary parts are none but noise.
+  const Eigen::ArrayXXd off = shapes.outputs.topRows(2).imag().array().abs() /
+                              shapes.output_imaginary_std.topRows(2).array();
+  EXPECT_LT(off.maxCoeff(), 5.0);
 }
 
 }  // namespace

@@ -349,5 +349,18 @@ TEST(TakeValues, KeepsDeviationsAndHowShapesAreTurned) {
   EXPECT_EQ(into.frequency_std_hz, before.frequency_std_hz);
 }
 
+// A sensor whose values say nothing does not say how a shape is turned either.
+TEST(TakeValues, TurnsShapesByWhatIsKnown) {
+  ModalFit into;
+  into.model.frequency_hz = into.model.damping_ratio = Eigen::VectorXd::Ones(1);
+  into.model.output_shapes = Eigen::Vector2d(1.0, -5.0);
+  into.model.input_shapes = Eigen::MatrixXd::Ones(1, 1);
+  into.output_std = Eigen::Vector2d(0.1, std::numeric_limits<double>::infinity());
+  auto from = into;
+  from.model.output_shapes(1) = 5.0;
+  take_values(from, into);
+  EXPECT_EQ(into.model.output_shapes.col(0), Eigen::Vector2d(1.0, 5.0));
+}
+
 }  // namespace
 }  // namespace chladni::identification

@@ -181,6 +181,17 @@ TEST(SpatioTemporal, FindsTheRowOfAFurtherSensor) {
   EXPECT_LT((noisy.shape - truth).norm(), 2e-3 * truth.norm());
 }
 
+// A mode that no actuator drives is not known at a further sensor, and not known to be 0 there.
+TEST(SpatioTemporal, DoesNotKnowTheRowOfAModeThatNothingDrives) {
+  auto one = sensed_beam();
+  one.match.input_shapes.row(2).setZero();
+  const auto data = fit_data(modal::part(one.made.measured, {3}, {0, 1, 2, 3, 4}));
+  const auto row = fitted_row(one.fit, one.match, data);
+  for (Eigen::Index m = 0; m < row.deviation.size(); ++m) {
+    EXPECT_EQ(std::isinf(row.deviation(m)), m == 2) << m;
+  }
+}
+
 TEST(SpatioTemporal, RefusesWhatDoesNotFit) {
   const auto one = sensed_beam();
   auto interest = sensors_of(one);

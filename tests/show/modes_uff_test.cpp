@@ -1,9 +1,16 @@
-// Which nodes the channels of an identified model become in a universal file, and how they move.
+// Which nodes the channels of an identified model become in a universal file, and how they move;
+// what a table of its shapes says of values that are not known.
 #include "show/modes_uff.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "io/shape_table.h"
+#include "show/identification.h"
 
 namespace chladni::show {
 namespace {
@@ -96,6 +103,42 @@ TEST(ChannelModesUff, AChannelThatWasNotMeasuredIsNoNode) {
   EXPECT_EQ(modes.node, (std::vector<long long>{1, 2}));
   EXPECT_EQ(modes.place(1, 0), 3.0);
   EXPECT_NE(io::modes_uff(modes, io::ShapeDataset::nodes_55), "");
+}
+
+// A channel without measurements has the value 0 of an infinite deviation.
+TEST(ChannelModesUff, AChannelThatNoModeKnowsIsNoNode) {
+  const auto at = [](double x) { return Vector3d(x, 0.0, 0.0); };
+  const Vector3d z = Vector3d::UnitZ();
+  Eigen::MatrixXd shapes = Eigen::MatrixXd::Ones(3, 2);
+  shapes.row(1).setZero();
+  auto model = model_of({{"s1", at(1), z, {}}, {"s2", at(2), z, {}}}, {"a1", at(3), z, {}}, shapes);
+  model.match.deviation = Eigen::MatrixXd::Constant(3, 2, 0.1);
+  model.match.deviation.row(1).setConstant(std::numeric_limits<double>::infinity());
+  const auto modes = channel_modes_uff({}, model);
+  EXPECT_EQ(modes.node, (std::vector<long long>{1, 2}));
+  EXPECT_EQ(modes.place(1, 0), 3.0);
+}
+
+// What is not known is an empty cell, which no reader takes for a measured 0.
+TEST(IdentifiedShapes, ComeBackFromTheirTableWithoutWhatIsNotKnown) {
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  const Vector3d z = Vector3d::UnitZ();
+  Eigen::MatrixXd shapes(3, 2);
+  shapes << 1.0, 5.0, 0.0, 7.0, 0.0, 0.0;
+  auto model = model_of({{"s1", z, z, 1}, {"s2", 2.0 * z, z, 2}}, {"a1", 3.0 * z, z, 3}, shapes);
+  model.match.deviation.resize(3, 2);
+  model.match.deviation << 0.1, 0.2, kUnknown, 0.3, kUnknown, kUnknown;
+  const auto file = std::filesystem::temp_directory_path() /
+                    ("chladni_identified_shapes_" + std::to_string(getpid()) + ".csv");
+  io::write_shapes(file, identified_shapes(model));
+  const auto back = io::read_shapes(file, io::ShapesStated::partly);
+  std::filesystem::remove(file);
+  EXPECT_EQ(back.channels, (std::vector<std::string>{"s1", "s2", "a1"}));
+  EXPECT_EQ(back.values.row(0), shapes.row(0));
+  EXPECT_TRUE(std::isnan(back.values(1, 0)));
+  EXPECT_EQ(back.values(1, 1), 7.0);
+  EXPECT_TRUE(std::isnan(back.values(2, 0)) && std::isnan(back.values(2, 1)));
+  EXPECT_EQ(back.deviation, (Eigen::MatrixXd(3, 2) << 0.1, 0.2, 0.0, 0.3, 0.0, 0.0).finished());
 }
 
 TEST(ChannelModesUff, AModeBeyondTheLinesThatNothingTellsOfIsLeftOut) {

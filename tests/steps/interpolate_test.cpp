@@ -1,9 +1,11 @@
 // chladni interpolate: what it makes of a body that its model does not know, and what it refuses.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -91,6 +93,7 @@ class Interpolate : public ::testing::Test {
     auto result = steps::interpolated(study, solution, run);
     run.show(show::interpolation_table(result));
     show::leave_interpolation(study, solution, result, run, true);
+    said_ = quiet.said();
     return result;
   }
 
@@ -110,6 +113,21 @@ class Interpolate : public ::testing::Test {
     return io::parse_json(text.str());
   }
 
+  // The numbers of a table that was left, without its head.
+  std::vector<std::vector<double>> rows_of(const std::string& name) const {
+    std::ifstream stream(folder_.path() / "out" / name);
+    std::vector<std::vector<double>> rows;
+    std::string line;
+    std::getline(stream, line);
+    while (std::getline(stream, line)) {
+      auto& row = rows.emplace_back();
+      std::istringstream cells(line);
+      for (std::string cell; std::getline(cells, cell, ',');) row.push_back(std::stod(cell));
+    }
+    return rows;
+  }
+
+  std::string said_;  // by the last run
   app::TestFolder folder_{"interpolate"};
 };
 
@@ -170,9 +188,11 @@ TEST_F(Interpolate, TheWholeSurfaceHasTheDeviationOfTheScale) {
 // No deviation of a held-out channel is known: how often it holds the value is not 0 %.
 TEST_F(Interpolate, AChannelOfUnknownNoiseIsCoveredUnknownOften) {
   auto result = interpolated_with(kTruth + "hold_out = [\"s5\"]\n");
-  result.measured.hidden.noise.setConstant(std::nan(""));
-  const auto one = interpolated_by(*result.methods.front().method, result);
-  EXPECT_TRUE(std::isnan(one.hidden_covered(0)));
+  for (const double unknown : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    result.measured.hidden.noise.setConstant(unknown);
+    const auto one = interpolated_by(*result.methods.front().method, result);
+    EXPECT_TRUE(std::isnan(one.hidden_covered(0))) << unknown;
+  }
 }
 
 TEST_F(Interpolate, ATableOfShapesGivesWhatTheTruthGave) {
@@ -184,6 +204,35 @@ TEST_F(Interpolate, ATableOfShapesGivesWhatTheTruthGave) {
   const auto read = interpolated_with("[measurement]\nshapes = \"shapes.csv\"\n");
   EXPECT_EQ(read.methods.front().surface.mean, virtually.methods.front().surface.mean);
   EXPECT_EQ(read.measured.truth.size(), 0);
+}
+
+// An empty cell is no measured 0: the channel or the mode that lacks the value takes no part.
+TEST_F(Interpolate, EmptyCellsOfATableOfShapesAreNotKnown) {
+  const auto whole = interpolated_with(kTruth).measured;
+  const auto count = whole.shapes.mode_count();
+  io::ShapeTable table{whole.channels, whole.shapes.frequency_hz, whole.damping_ratio,
+                       whole.shapes.values, whole.shapes.noise};
+  const auto empty = [&](Eigen::Index row, Eigen::Index mode) {
+    table.values(row, mode) = std::nan("");
+    table.deviation(row, mode) = std::numeric_limits<double>::infinity();
+  };
+  for (Eigen::Index i = 0; i < count; ++i) empty(4, i);
+  empty(1, 2);
+  io::write_shapes(folder_.path() / "shapes.csv", table);
+  const auto read = interpolated_with("[measurement]\nshapes = \"shapes.csv\"\n").measured;
+  ASSERT_EQ(read.shapes.mode_count(), count - 1);
+  ASSERT_EQ(read.channels.size(), whole.channels.size() - 1);
+  EXPECT_EQ(read.channels[4], whole.channels[5]);
+  EXPECT_EQ(read.shapes.frequency_hz(2), whole.shapes.frequency_hz(3));
+  EXPECT_EQ(read.shapes.values(4, 2), whole.shapes.values(5, 3));
+  EXPECT_EQ(read.shapes.noise(4, 2), whole.shapes.noise(5, 3));
+  EXPECT_NE(said_.find("not known (empty cells): " + std::to_string(count + 1) + ";"),
+            std::string::npos)
+      << said_;
+  empty(0, 0);
+  for (Eigen::Index i = 1; i < count; ++i) empty(2, i);
+  io::write_shapes(folder_.path() / "shapes.csv", table);
+  refused("[measurement]\nshapes = \"shapes.csv\"\n", "no mode has a value at each channel");
 }
 
 TEST_F(Interpolate, LeavesATableAndPolynomialsForAController) {
@@ -199,6 +248,32 @@ TEST_F(Interpolate, LeavesATableAndPolynomialsForAController) {
   const auto left = json("mode_field_polynomial.json");
   EXPECT_EQ(left.at("coefficients").array().size(), 6U);
   EXPECT_LT(left.at("rms_error").array().at(0).number(), 0.01);
+}
+
+// The table was on the top of the body, whatever faces were named. A thin plate moves along z by
+// the same amount above and below.
+TEST_F(Interpolate, ATableLiesOnTheFacesThatAreNamed) {
+  const auto table_on = [&](const std::string& patch) {
+    (void)interpolated_with(kTruth +
+                            "[interpolation]\nmethods = [\"dynamic_residual\"]\ndirection = "
+                            "\"z\"\ntable_pitch = \"100 mm\"\non = [\"" +
+                            patch + "\"]\n");
+    return rows_of("mode_field.csv");
+  };
+  const auto above = table_on("top");
+  const auto below = table_on("bottom");
+  ASSERT_EQ(above.size(), 7U * 6U);
+  ASSERT_EQ(below.size(), above.size());
+  double largest = 0.0;
+  for (const auto& row : above) largest = std::max(largest, std::abs(row[3]));
+  EXPECT_GT(largest, 0.0);
+  for (std::size_t i = 0; i < above.size(); ++i) {
+    EXPECT_NEAR(below[i][0], above[i][0], 1e-6);
+    EXPECT_NEAR(below[i][1], above[i][1], 1e-6);
+    EXPECT_NEAR(above[i][2], 0.0, 1e-9);
+    EXPECT_NEAR(below[i][2], -0.02, 1e-9);
+    EXPECT_NEAR(below[i][3], above[i][3], 0.05 * largest);  // mean_1
+  }
 }
 
 TEST_F(Interpolate, RefusesATableOfMorePlacesThanAnyNumber) {

@@ -164,6 +164,21 @@ TEST_F(MeasuredModes, AreReadFromATableWithGaps) {
   EXPECT_FALSE(modes.scaled);
 }
 
+// Its channel has deviations in other modes: whoever wrote the table may not know the value.
+TEST_F(MeasuredModes, WarnOfAValueThatLacksItsDeviation) {
+  const auto said_of = [&](const std::string& table) {
+    write("modes.csv", table);
+    const auto study = study_of("modes.csv");
+    app::QuietRun quiet(study, folder_.path() / "out");
+    (void)measured_modes(study, quiet.run());
+    return quiet.said();
+  };
+  const auto doubtful = said_of("frequency_hz,s1,std_s1,s2\n100,1,0.1,3\n200,0,,4\n300,,,5\n");
+  EXPECT_TRUE(says(doubtful, "without a deviation at channels that have others: 1;")) << doubtful;
+  const auto clear = said_of("frequency_hz,s1,std_s1,s2\n100,1,0.1,3\n200,,,4\n");
+  EXPECT_FALSE(says(clear, "without a deviation")) << clear;
+}
+
 TEST_F(MeasuredModes, OfFrequenciesAloneNeedNoChannel) {
   write("modes.csv", "# from a paper\nfrequency_hz\n12.5\n20\n");
   const auto modes = read(study_of("modes.csv"));
