@@ -58,16 +58,16 @@ class Work {
   [[nodiscard]] const WorkOptions& choices() const { return options_; }
   [[nodiscard]] unsigned seed() const { return options_.seed; }
 
-  /// Runs one step and stores its wall time.
+  /// Runs one step and stores its wall time, together with that of its earlier runs.
   template <typename Step>
   auto timed(const std::string& name, Step step) {
     const auto start = std::chrono::steady_clock::now();
     auto result = step();
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    if (options_.keep_times) seconds_.emplace_back(part_ + name, took.count());
+    if (options_.keep_times) store(part_ + name, took.count());
     return result;
   }
-  /// Wall time of each finished step [s].
+  /// Wall time of each finished step [s], each name once.
   [[nodiscard]] const std::vector<std::pair<std::string, double>>& seconds() const {
     return seconds_;
   }
@@ -87,6 +87,8 @@ class Work {
   [[nodiscard]] const std::string& part() const { return part_; }
 
  private:
+  void store(const std::string& name, double seconds);
+
   WorkOptions options_;
   std::vector<std::pair<std::string, double>> seconds_;
   std::string part_;

@@ -46,6 +46,16 @@ class Runs : public testing::Test {
   std::ostringstream shown_, said_;
 };
 
+// A key of a JSON object stands once.
+TEST_F(Runs, AStepThatRunsTwiceHasOneTime) {
+  with_run([](show::Run& run) {
+    for (const char* step : {"mesh", "diagnosis", "diagnosis"})
+      (void)run.timed(step, [] { return 1; });
+    ASSERT_EQ(run.seconds().size(), 2U);
+    EXPECT_EQ(run.seconds()[1].first, "diagnosis");
+  });
+}
+
 TEST_F(Runs, WhatCannotBeDrawnIsAWarningAndTheRestGoesOn) {
   bool is_painted = true;
   with_run([&](show::Run& run) {
