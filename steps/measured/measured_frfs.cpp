@@ -58,6 +58,19 @@ void rename(modal::MeasuredChannel& one, const study::Channel& channel) {
   one.position = channel.at.point;
 }
 
+// The study's actuators are forces.
+void warn_of_other_inputs(const std::vector<modal::MeasuredChannel>& of_file,
+                          const std::vector<MatchedChannel>& matched, const std::string& file,
+                          stage::Work& work) {
+  for (const auto& one : matched) {
+    const auto& unit = of_file[static_cast<std::size_t>(one.of_file)].unit;
+    if (unit.empty() || unit == "N") continue;
+    work.warn(file + ": the input of \"" + one.channel->name + "\" is in " + unit +
+              ", and an actuator of a study is a force: its responses are taken as if each " +
+              unit + " were 1 N. Say how many newtons it is as the actuator's gain");
+  }
+}
+
 std::vector<Eigen::Index> seen(const std::vector<modal::MeasuredChannel>& channels,
                                const std::vector<std::string>& hold_out) {
   std::vector<Eigen::Index> rows;
@@ -126,6 +139,7 @@ MeasuredFrfs measured_frfs(const study::Study& study, stage::Work& work, bool wi
   require(!matched.outputs.empty() && !matched.inputs.empty(),
           path.string() + ": no response between a sensor and an actuator of the study; it has \"" +
               set.outputs.front().name + "\" by \"" + set.inputs.front().name + "\"");
+  warn_of_other_inputs(set.inputs, matched.inputs, path.string(), work);
   MeasuredFrfs result;
   result.file = path.string();
   result.all = on_channels(study, set, matched, result.file);

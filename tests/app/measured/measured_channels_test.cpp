@@ -118,6 +118,22 @@ class MeasuredChannels : public testing::Test {
   std::string said_;
 };
 
+// Responses to a drive's voltage are no responses to a force: who does not know it has wrong
+// masses.
+TEST_F(MeasuredChannels, AnInputThatIsNoForceIsNamed) {
+  const auto text = study(sensor("s1", "\"z\"", "101"));
+  auto sample = response(3, 100.0);
+  for (const auto* force : {"N", "lbf", ""}) {
+    sample.input_unit = force;
+    (void)read(dataset_58(sample), text);
+    EXPECT_FALSE(says("gain")) << force << "\n" << said_;
+  }
+  sample.input_unit = "V";
+  (void)read(dataset_58(sample), text);
+  EXPECT_TRUE(says("the input of \"a1\" is in V")) << said_;
+  EXPECT_TRUE(says("the actuator's gain")) << said_;
+}
+
 TEST_F(MeasuredChannels, TheAxisDecidesAmongTheThreeOfANode) {
   const double resonances[] = {100.0, 150.0, 250.0};
   const char* axes[] = {"\"x\"", "\"y\"", "\"z\""};
