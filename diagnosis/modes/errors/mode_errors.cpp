@@ -374,11 +374,10 @@ ModeErrors mode_errors(const Structure& structure, const MeasuredModes& measured
                        const Matching& matching, const std::vector<BodyError>& body,
                        const Eigen::MatrixXd& smooth, const Disturbed& disturbed,
                        const std::vector<bool>& shares) {
-  const auto outputs = measured.output_shapes.rows();
-  const auto inputs = measured.input_shapes.rows();
-  const Scene bare{structure, measured, model, units, smooth, {outputs, inputs}, {}};
-  Scene whole{structure, measured, model, units, smooth, bare.columns, {}};
-  whole.columns.gains = outputs + inputs > 1;
+  const SharedColumns none{measured.output_shapes.rows(), measured.input_shapes.rows()};
+  const Scene bare{structure, measured, model, units, smooth, none, {}};
+  Scene whole = bare;
+  whole.columns.gains = none.outputs + none.inputs > 1;
   whole.columns.body = static_cast<Index>(body.size());
   const bool some = std::ranges::find(shares, true) != shares.end();
   for (std::size_t i = 0; some && i < body.size(); ++i) {

@@ -135,6 +135,31 @@ TEST_F(SharedColumns, AreThoseOfTheBody) {
   EXPECT_EQ(stiff, 3U);  // modulus, two of orthotropy
 }
 
+// A block has the same numbers and the same errors whichever other blocks have shared ones.
+TEST(Errors, OfABlockAreWhatTheyAreAmongOthers) {
+  const auto& plate = small_plate();
+  const auto model = modes_of(state_of(plate));
+  const auto measured = measured_of(model, 0.05);
+  const auto matching = matched_by_shape(measured, model);
+  const auto all = errors_of(measured, model, matching);
+  const auto none = errors_of(measured, model, matching, false);
+  for (std::size_t b = 0; b < all.blocks.size(); ++b) {
+    std::vector<bool> one(all.blocks.size(), false);
+    one[b] = true;
+    const auto some = errors_of(measured, model, matching, one);
+    EXPECT_EQ(some.shared_of, all.shared_of);
+    EXPECT_EQ(some.penalty, all.penalty);
+    EXPECT_GT(all.blocks[b].shared.norm(), 0.0);
+    for (std::size_t c = 0; c < all.blocks.size(); ++c) {
+      const auto& expected = (c == b ? all : none).blocks[c];
+      EXPECT_EQ(some.blocks[c].error, expected.error);
+      EXPECT_EQ(some.blocks[c].noise, expected.noise);
+      EXPECT_EQ(some.blocks[c].smooth, expected.smooth);
+      EXPECT_EQ(some.blocks[c].shared, expected.shared);
+    }
+  }
+}
+
 // Two sensors that were exchanged, and the hypothesis that they are: the errors of places and of
 // shapes that neighbours share belong to the sensors, not to the names of their records.
 TEST(ExchangedChannels, AreAsProbableAsTheyWereInOrder) {

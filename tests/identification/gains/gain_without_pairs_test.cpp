@@ -205,6 +205,27 @@ TEST(GainWithoutPairs, WarnsWhereThePlacesDoNotTellTheMass) {
   EXPECT_TRUE(is_warned(match, "do not determine the 3 by 3 mass matrix"));
 }
 
+// All actuators turned: two modes of one frequency, scaled together by the pairs, have the same
+// deviations.
+TEST(GainMatch, KnowsAGroupOfModesAsWellWhereActuatorsAreTurned) {
+  const auto made = simulators::pairs(0.0, 0.01, 0.01, quiet());
+  ModalFit fit;
+  fit.model = made.truth;
+  fit.groups = {{0, 1}, {1, 2}, {3, 1}};
+  simulators::Dice dice(4);
+  const auto n = 2 + made.truth.output_count() + made.truth.input_count();
+  for (Eigen::Index m = 0; m < made.truth.mode_count(); ++m) {
+    const Eigen::MatrixXd factor = 1e-4 * dice.normal(n, n);
+    fit.mode_covariance.emplace_back(factor * factor.transpose());
+  }
+  const auto straight = matched(made, fit, with_pairs(made));
+  const auto turned = matched(made, with_turned_inputs(fit), with_pairs(made));
+  const Eigen::MatrixXd group = straight.deviation.middleCols(1, 2);
+  ASSERT_TRUE(group.allFinite());
+  ASSERT_GT(group.minCoeff(), 0.0);
+  EXPECT_LT((turned.deviation.middleCols(1, 2) - group).norm(), 1e-9 * group.norm());
+}
+
 TEST(GainWithoutPairs, MatchesABlockByItsPairs) {
   const auto made = simulators::pairs(0.0, 0.01, 0.01, quiet());
   ModalFit fit;
