@@ -11,8 +11,8 @@
 #include "base/finite.h"
 #include "identification/constants.h"
 #include "identification/likelihood/block_fractions.h"
-#include "identification/likelihood/fit_uncertainty.h"
 #include "identification/likelihood/levenberg.h"
+#include "identification/likelihood/uncertainty/fit_uncertainty.h"
 #include "identification/poles/completion.h"
 #include "identification/poles/residue_problem.h"
 

@@ -6,7 +6,7 @@
 #include "dense/algebra.h"
 #include "identification/constants.h"
 #include "identification/likelihood/compression.h"
-#include "identification/likelihood/untold.h"
+#include "identification/likelihood/uncertainty/untold.h"
 
 namespace chladni::identification {
 namespace {

@@ -1,4 +1,4 @@
-#include "identification/likelihood/untold.h"
+#include "identification/likelihood/uncertainty/untold.h"
 
 #include <limits>
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 
 #include "identification/likelihood/normal_equations.h"
-#include "identification/likelihood/untold.h"
+#include "identification/likelihood/uncertainty/untold.h"
 
 namespace chladni::identification {
 

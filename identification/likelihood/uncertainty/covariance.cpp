@@ -1,4 +1,4 @@
-#include "identification/likelihood/covariance.h"
+#include "identification/likelihood/uncertainty/covariance.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>

@@ -1,4 +1,4 @@
-#include "identification/likelihood/fit_uncertainty.h"
+#include "identification/likelihood/uncertainty/fit_uncertainty.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -11,9 +11,9 @@
 
 #include "base/text_stream.h"
 #include "identification/constants.h"
-#include "identification/likelihood/covariance.h"
 #include "identification/likelihood/general_mode.h"
-#include "identification/likelihood/untold.h"
+#include "identification/likelihood/uncertainty/covariance.h"
+#include "identification/likelihood/uncertainty/untold.h"
 
 namespace chladni::identification {
 namespace {
