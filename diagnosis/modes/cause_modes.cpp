@@ -6,17 +6,17 @@ namespace chladni::diagnosis {
 
 using Eigen::Index;
 
-std::optional<RecordedModes> CauseModes::after(const Changes& changes) const {
+State CauseModes::after(const Changes& changes) const {
   State state = state_of(problem_.structure());
   for (const auto& change : changes) change(state);
-  return problem_.modes(state, false);
+  return state;
 }
 
 std::optional<RecordedModes> CauseModes::of(const std::vector<Supposed>& causes) const {
   try {
     Changes changes;
     for (const auto& cause : causes) changes.push_back(change_of(cause, problem_.structure()));
-    return after(changes);
+    return problem_.modes(after(changes), false);
   } catch (const NumericalFailure&) {
     return std::nullopt;
   }
@@ -25,17 +25,22 @@ std::optional<RecordedModes> CauseModes::of(const std::vector<Supposed>& causes)
 void CauseModes::begin_at(const std::vector<Supposed>& causes) {
   changes_.clear();
   for (const auto& cause : causes) changes_.push_back(change_of(cause, problem_.structure()));
+  kept_ = after(changes_);
+  modes_of_kept_.reset();
 }
 
 std::optional<RecordedModes> CauseModes::with_coordinate(const std::vector<Supposed>& causes,
-                                                         Index c) const {
+                                                         Index c) {
   std::size_t which = 0;
   for (Index first = causes[0].x.size(); first <= c; first += causes[++which].x.size()) {
   }
   try {
     auto changes = changes_;
     changes[which] = change_of(causes[which], problem_.structure());
-    return after(changes);
+    const State state = after(changes);
+    if (!have_same_body(state, kept_)) return problem_.modes(state, false);
+    if (!modes_of_kept_) modes_of_kept_ = problem_.body_modes(kept_, false);
+    return modes_of_kept_ ? ModesProblem::modes(state, *modes_of_kept_) : std::nullopt;
   } catch (const NumericalFailure&) {
     return std::nullopt;
   }

@@ -20,15 +20,18 @@ class CauseModes {
   /// Keeps what each of these causes changes. @throws NumericalFailure  it is impossible
   void begin_at(const std::vector<Supposed>& causes);
   /// Modes with causes of which only the one that has coordinate c differs from those kept.
+  /// Cost: one eigenproblem, but one for all coordinates that change channels alone.
   [[nodiscard]] std::optional<RecordedModes> with_coordinate(const std::vector<Supposed>& causes,
-                                                             Eigen::Index c) const;
+                                                             Eigen::Index c);
 
  private:
   using Changes = std::vector<std::function<void(State&)>>;
-  [[nodiscard]] std::optional<RecordedModes> after(const Changes& changes) const;
+  [[nodiscard]] State after(const Changes& changes) const;
 
   const ModesProblem& problem_;
   Changes changes_;
+  State kept_;  // after all of them
+  std::optional<BodyModes> modes_of_kept_;
 };
 
 }  // namespace chladni::diagnosis

@@ -64,6 +64,11 @@ class ModesProblem {
   /// Modes of a state of the structure; none if it is impossible.
   /// @param quick  with fewer coordinates, for a search
   [[nodiscard]] std::optional<RecordedModes> modes(const State& state, bool quick) const;
+  /// The same where the modes of its body are known.
+  [[nodiscard]] static std::optional<RecordedModes> modes(const State& state,
+                                                          const BodyModes& body);
+  /// Those of its body; none if it is impossible.
+  [[nodiscard]] std::optional<BodyModes> body_modes(const State& state, bool quick) const;
   /// The structure with constants and causes of a hypothesis.
   /// @throws NumericalFailure  it is impossible
   [[nodiscard]] State with(const ModesFit& fit) const;

@@ -69,15 +69,25 @@ State ModesProblem::with(const ModesFit& fit) const {
   return state;
 }
 
-std::optional<RecordedModes> ModesProblem::modes(const State& state, bool quick) const {
+std::optional<BodyModes> ModesProblem::body_modes(const State& state, bool quick) const {
   try {
-    auto model = (quick ? quick_ : solver_).modes(state, low_hz_, high_hz_);
-    const bool is_finite = model.outputs.allFinite() && model.inputs.allFinite();
-    if (model.count() == 0 || !is_finite) return std::nullopt;
-    return model;
+    auto body = (quick ? quick_ : solver_).body_modes(state, low_hz_, high_hz_);
+    if (body.frequency_hz.size() == 0) return std::nullopt;
+    return body;
   } catch (const NumericalFailure&) {
     return std::nullopt;
   }
+}
+
+std::optional<RecordedModes> ModesProblem::modes(const State& state, bool quick) const {
+  const auto body = body_modes(state, quick);
+  return body ? modes(state, *body) : std::nullopt;
+}
+
+std::optional<RecordedModes> ModesProblem::modes(const State& state, const BodyModes& body) {
+  auto model = recorded(state, body);
+  if (!model.outputs.allFinite() || !model.inputs.allFinite()) return std::nullopt;
+  return model;
 }
 
 std::vector<Matching> ModesProblem::matchings(const RecordedModes& model) const {

@@ -92,42 +92,65 @@ MatrixXd own_damping(const State& state, Index r) {
   return own;
 }
 
-// The body's own damping of a mode, where the modes keep the ratios that the study states.
-struct OwnDamping {
-  VectorXd omega, ratio;  // of the modes of the study's structure
+// tᵀ A t of each column t.
+VectorXd squares(const MatrixXd& a, const MatrixXd& columns) {
+  if (a.isZero(0.0)) return VectorXd::Zero(columns.cols());
+  return columns.cwiseProduct(MatrixXd(a * columns)).colwise().sum().transpose();
+}
 
-  // Factors of the viscous and of the hysteretic damping that fixed matrices have in a mode of
-  // circular frequency `to`. `motion` is its shape in the coordinates of the structure, and
-  // `inertia` the part of its modal mass that is the body's.
-  [[nodiscard]] std::pair<double, double> factors(const VectorXd& motion, double inertia,
-                                                  double to) const {
-    double squares = 0.0, kept = 0.0, viscous = 0.0, hysteretic = 0.0;
-    for (Index l = 0; l < omega.size(); ++l) {
-      if (!(ratio(l) > 0.0)) continue;  // a rigid-body motion
-      const double square = motion(l) * motion(l);
-      squares += square;
-      kept += ratio(l) * square;
-      viscous += ratio(l) * omega(l) * square;
-      hysteretic += ratio(l) * omega(l) * omega(l) * square;
-    }
-    if (!(viscous > 0.0)) return {1.0, 1.0};
-    kept *= inertia / squares;
-    return {kept * to / viscous, kept * to * to / hysteretic};
-  }
-};
+bool have_same_values(const auto& a, const auto& b) {
+  return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
+}
+
+bool is_same_attachment(const Attached& a, const Attached& b) {
+  return a.mass == b.mass && a.damping == b.damping && a.stiffness == b.stiffness &&
+         a.carried == b.carried && have_same_values(a.shapes, b.shapes) &&
+         have_same_values(a.upper, b.upper);
+}
 
 }  // namespace
 
-ModeSolver::ModeSolver(State base, Index most)
-    : base_(std::move(base)), most_(most), base_body_(solved(base_)) {}
+bool have_same_body(const State& a, const State& b) {
+  return have_same_values(a.stiffness, b.stiffness) && have_same_values(a.mass, b.mass) &&
+         have_same_values(a.damping, b.damping) && have_same_values(a.loss, b.loss) &&
+         have_same_values(a.dashpots, b.dashpots) &&
+         have_same_values(a.kept_ratios, b.kept_ratios) &&
+         std::ranges::equal(a.attached, b.attached, is_same_attachment);
+}
 
-bool ModeSolver::is_base(const State& state) const {
-  return state.attached.empty() && base_.attached.empty() && state.stiffness == base_.stiffness &&
-         state.mass == base_.mass && state.damping == base_.damping && state.loss == base_.loss;
+ModeSolver::ModeSolver(State base, Index most)
+    : base_(std::move(base)), most_(most), own_(own_ratios()), base_body_(solved(base_)) {}
+
+ModeSolver::OwnRatios ModeSolver::own_ratios() const {
+  const Index r = std::min(most_, base_.mode_count());
+  OwnRatios own{base_.stiffness.diagonal().head(r).cwiseMax(0.0).cwiseSqrt(), {}};
+  own.ratio = (own_damping(base_, r).diagonal() +
+               base_.loss.diagonal().head(r).cwiseQuotient(own.omega.cwiseMax(1e-12)))
+                  .cwiseQuotient(2.0 * own.omega.cwiseMax(1e-12));
+  for (Index l = 0; l < r; ++l) {
+    if (own.omega(l) < kConstants.no_stiffness * own.omega.maxCoeff()) own.ratio(l) = 0.0;
+  }
+  return own;
+}
+
+ModeSolver::OwnRatios::Factors ModeSolver::OwnRatios::factors(const VectorXd& motion,
+                                                              double inertia, double to) const {
+  double square = 0.0, kept = 0.0, viscous = 0.0, hysteretic = 0.0;
+  for (Index l = 0; l < omega.size(); ++l) {
+    if (!(ratio(l) > 0.0)) continue;  // a rigid-body motion
+    const double part = motion(l) * motion(l);
+    square += part;
+    kept += ratio(l) * part;
+    viscous += ratio(l) * omega(l) * part;
+    hysteretic += ratio(l) * omega(l) * omega(l) * part;
+  }
+  if (!(viscous > 0.0)) return {};
+  kept *= inertia / square;
+  return {kept * to / viscous, kept * to * to / hysteretic};
 }
 
 ModeSolver::Body ModeSolver::solved(const State& state) const {
-  const Assembled all = assembled(state, most_);
+  Assembled all = assembled(state, most_);
   // The eigensolver does not look whether its own factor of the mass exists.
   if (Eigen::LLT<MatrixXd>(all.mass).info() != Eigen::Success) {
     throw NumericalFailure("a mass that is not positive");
@@ -136,46 +159,40 @@ ModeSolver::Body ModeSolver::solved(const State& state) const {
   if (modes.info() != Eigen::Success || !modes.eigenvalues().allFinite()) {
     throw NumericalFailure("modes of a hypothesis: no eigenvalues");
   }
-  const MatrixXd& turn = modes.eigenvectors();
-  const VectorXd lambda = modes.eigenvalues().cwiseMax(0.0);
-  const VectorXd omega = lambda.cwiseSqrt().cwiseMax(1e-12);
-  Body body;
-  body.lambda = lambda;
-  body.shapes = turn.topRows(std::min(most_, state.mode_count()));
-  body.damping = (turn.transpose() * all.damping * turn).diagonal() +
-                 (turn.transpose() * all.loss * turn).diagonal().cwiseQuotient(omega);
-  keep_ratios(state, omega, body);
-  return body;
+  return {modes.eigenvalues().cwiseMax(0.0), modes.eigenvectors(), std::move(all.damping),
+          std::move(all.loss)};
 }
 
-void ModeSolver::keep_ratios(const State& state, const VectorXd& omega, Body& body) const {
-  const Index r = body.shapes.rows();
-  OwnDamping own{base_.stiffness.diagonal().head(r).cwiseMax(0.0).cwiseSqrt(), {}};
-  own.ratio = (own_damping(base_, r).diagonal() +
-               base_.loss.diagonal().head(r).cwiseQuotient(own.omega.cwiseMax(1e-12)))
-                  .cwiseQuotient(2.0 * own.omega.cwiseMax(1e-12));
-  for (Index l = 0; l < r; ++l) {
-    if (own.omega(l) < kConstants.no_stiffness * own.omega.maxCoeff()) own.ratio(l) = 0.0;
+// The body's own damping is that without what constants have added to keep their ratios, times
+// factors that keep the ratios of its modes.
+VectorXd ModeSolver::damping(const State& state, const Body& body,
+                             const std::vector<Index>& columns) const {
+  const MatrixXd turn = body.turn(Eigen::all, columns);
+  const MatrixXd shapes = turn.topRows(std::min(most_, state.mode_count()));
+  const VectorXd omega = body.lambda(columns).cwiseSqrt().cwiseMax(1e-12);
+  const Index r = shapes.rows();
+  MatrixXd bare = shapes;
+  if (state.kept_ratios.size() > 0) {
+    bare = state.kept_ratios.head(r).cwiseSqrt().cwiseInverse().asDiagonal() * shapes;
   }
-  // The body's own damping without what constants have added to keep their ratios.
-  VectorXd root = VectorXd::Ones(r);
-  if (state.kept_ratios.size() > 0) root = state.kept_ratios.head(r).cwiseSqrt().cwiseInverse();
   const MatrixXd own_viscous = own_damping(state, r);
-  const MatrixXd viscous = root.asDiagonal() * own_viscous * root.asDiagonal();
-  const MatrixXd loss = root.asDiagonal() * state.loss.topLeftCorner(r, r) * root.asDiagonal();
+  const MatrixXd own_loss = state.loss.topLeftCorner(r, r);
+  const VectorXd viscous = squares(own_viscous, bare);
+  const VectorXd loss = squares(own_loss, bare);
+  const VectorXd inertia = squares(state.mass.topLeftCorner(r, r), shapes);
+  VectorXd result = squares(body.damping, turn) - squares(own_viscous, shapes) +
+                    (squares(body.loss, turn) - squares(own_loss, shapes)).cwiseQuotient(omega);
   for (Index k = 0; k < omega.size(); ++k) {
-    const VectorXd t = body.shapes.col(k);
-    const auto [viscous_by, loss_by] =
-        own.factors(t, t.dot(state.mass.topLeftCorner(r, r) * t), omega(k));
-    body.damping(k) +=
-        viscous_by * t.dot(viscous * t) - t.dot(own_viscous * t) +
-        (loss_by * t.dot(loss * t) - t.dot(state.loss.topLeftCorner(r, r) * t)) / omega(k);
+    const auto by = own_.factors(shapes.col(k), inertia(k), omega(k));
+    result(k) += by.viscous * viscous(k) + by.loss * loss(k) / omega(k);
   }
+  return result;
 }
 
-RecordedModes ModeSolver::modes(const State& state, double low_hz, double high_hz) const {
-  const Body other = is_base(state) ? Body{} : solved(state);
-  const Body& body = is_base(state) ? base_body_ : other;
+BodyModes ModeSolver::body_modes(const State& state, double low_hz, double high_hz) const {
+  const bool is_base = have_same_body(state, base_);
+  const Body other = is_base ? Body{} : solved(state);
+  const Body& body = is_base ? base_body_ : other;
   const VectorXd omega = body.lambda.cwiseSqrt();
   std::vector<Index> columns;
   for (Index k = 0; k < omega.size(); ++k) {
@@ -184,19 +201,28 @@ RecordedModes ModeSolver::modes(const State& state, double low_hz, double high_h
         body.lambda(k) > kConstants.no_stiffness * base_body_.lambda.maxCoeff();
     if (is_flexible && hz >= low_hz && hz <= high_hz) columns.push_back(k);
   }
-  RecordedModes result;
   const VectorXd kept = omega(columns);
-  result.frequency_hz = kept / (2.0 * std::numbers::pi);
-  result.damping_ratio = body.damping(columns).cwiseQuotient(2.0 * kept);
-  result.motion = body.shapes(Eigen::all, columns);
+  return {kept / (2.0 * std::numbers::pi), damping(state, body, columns).cwiseQuotient(2.0 * kept),
+          body.turn(Eigen::seqN(0, std::min(most_, state.mode_count())), columns)};
+}
+
+RecordedModes ModeSolver::modes(const State& state, double low_hz, double high_hz) const {
+  return recorded(state, body_modes(state, low_hz, high_hz));
+}
+
+RecordedModes recorded(const State& state, const BodyModes& body) {
+  RecordedModes result;
+  result.frequency_hz = body.frequency_hz;
+  result.damping_ratio = body.damping_ratio;
+  result.motion = body.motion;
   result.output_of = state.output_of;
   result.input_of = state.input_of;
-  const MatrixXd& shapes = result.motion;
-  record(state.output_paths, state.output_of, state.outputs.leftCols(shapes.rows()) * shapes, kept,
+  const VectorXd omega = 2.0 * std::numbers::pi * body.frequency_hz;
+  const Index r = body.motion.rows();
+  record(state.output_paths, state.output_of, state.outputs.leftCols(r) * body.motion, omega,
          result.outputs, result.output_path);
-  record(state.input_paths, state.input_of,
-         state.inputs.topRows(shapes.rows()).transpose() * shapes, kept, result.inputs,
-         result.input_path);
+  record(state.input_paths, state.input_of, state.inputs.topRows(r).transpose() * body.motion,
+         omega, result.inputs, result.input_path);
   return result;
 }
 

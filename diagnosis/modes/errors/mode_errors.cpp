@@ -8,6 +8,7 @@
 
 #include "base/index.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/modes/errors/mode_change.h"
 #include "diagnosis/modes/errors/mode_rows.h"
 #include "diagnosis/modes/partner.h"
 
@@ -54,40 +55,6 @@ std::vector<int> classes_of(const SharedColumns& columns, const std::vector<Body
     all[at(columns.of_body(static_cast<Index>(i)))] = body[i].of;
   }
   return all;
-}
-
-// First-order changes of all modes by an error of the body.
-struct ModeChange {
-  VectorXd frequency;        // n: of ln f
-  MatrixXd outputs, inputs;  // p×n, q×n
-};
-
-ModeChange change_by(const BodyError& error, const RecordedModes& model) {
-  const Index n = model.count();
-  const VectorXd lambda = (2.0 * std::numbers::pi * model.frequency_hz).cwiseAbs2();
-  const MatrixXd& phi = model.motion;
-  const Index r = phi.rows();
-  const auto in_modes = [&](const MatrixXd& of) -> MatrixXd {
-    if (of.size() == 0) return MatrixXd::Zero(n, n);
-    return phi.transpose() * of.topLeftCorner(r, r) * phi;
-  };
-  const MatrixXd stiffness = in_modes(error.stiffness);
-  const MatrixXd mass = in_modes(error.mass);
-  ModeChange change{VectorXd(n), {}, {}};
-  MatrixXd turn(n, n);
-  for (Index k = 0; k < n; ++k) {
-    for (Index l = 0; l < n; ++l) {
-      const double part = stiffness(l, k) - lambda(k) * mass(l, k);
-      const double gap = lambda(k) - lambda(l);
-      const double least = 2.0 * kConstants.least_gap * lambda(k);
-      turn(l, k) =
-          l == k ? -0.5 * mass(k, k) : part / std::copysign(std::max(std::abs(gap), least), gap);
-      if (l == k) change.frequency(k) = 0.5 * part / lambda(k);
-    }
-  }
-  change.outputs = model.outputs * turn;
-  change.inputs = model.inputs * turn;
-  return change;
 }
 
 // All that the blocks of one hypothesis share.
@@ -367,6 +334,18 @@ double unseen(const Scene& scene, const Matching& matching) {
   return count;
 }
 
+// The modes of the model in the spans of these blocks.
+std::vector<Index> modes_of(const Matching& matching, const std::vector<bool>& blocks) {
+  std::vector<Index> all;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (!blocks[i]) continue;
+    for (const Index k : matching.span[i]) {
+      if (std::ranges::find(all, k) == all.end()) all.push_back(k);
+    }
+  }
+  return all;
+}
+
 }  // namespace
 
 ModeErrors mode_errors(const Structure& structure, const MeasuredModes& measured,
@@ -380,8 +359,9 @@ ModeErrors mode_errors(const Structure& structure, const MeasuredModes& measured
   whole.columns.gains = none.outputs + none.inputs > 1;
   whole.columns.body = static_cast<Index>(body.size());
   const bool some = std::ranges::find(shares, true) != shares.end();
-  for (std::size_t i = 0; some && i < body.size(); ++i) {
-    whole.changes.push_back(change_by(body[i], model));
+  if (some) {
+    const auto modes = modes_of(matching, shares);
+    for (const auto& error : body) whole.changes.push_back(change_by(error, model, modes));
   }
   ModeErrors errors;
   if (some) errors.shared_of = classes_of(whole.columns, body);

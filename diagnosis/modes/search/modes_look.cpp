@@ -67,7 +67,8 @@ ModesLook::ModesLook(const ModesProblem& problem, const ModesFit& base,
     likelihoods_.emplace_back(errors, one);
     less_probable_.push_back(less_probable(one, base.levels, problem.prior()));
   }
-  const auto model = problem.modes(state_, true);
+  body_ = problem.body_modes(state_, true);
+  const auto model = body_ ? ModesProblem::modes(state_, *body_) : std::nullopt;
   if (!model) return;
   quick_ = *model;
   const auto matchings = this->matchings(*model);
@@ -184,39 +185,41 @@ ModesLook::Moved ModesLook::moved(const Supposed& cause, std::size_t level) cons
 // −ln likelihoods; infinite where no number changes.
 std::vector<double> ModesLook::objectives(const RecordedModes& model,
                                           const Matching& matching) const {
-  std::vector<double> all(levels_.size(), HUGE_VAL);
-  const auto bare = problem_.errors(base_, model, matching, false);
-  if (same_partners(matching)) {
-    const Eigen::VectorXd there = stacked(bare);
-    if (there.size() == here_.size()) {
-      const Eigen::VectorXd change = there - here_;
-      if (change.cwiseAbs().maxCoeff() < kConstants.unchanged) return all;
-      const auto* own = without_cause(matching, there.size());
-      Eigen::MatrixXd columns(there.size(), own ? 2 : 1);
-      columns.col(0) = own_ + change;
-      if (own) columns.col(1) = there - *own;
-      for (std::size_t i = 0; i < all.size(); ++i) {
-        const Eigen::VectorXd squares = likelihoods_[i].squares(columns);
-        if (own && squares(1) < kConstants.start_seen) continue;
-        all[i] = likelihoods_[i].negative_log(squares(0));
-      }
-      return all;
-    }
-  }
-  const auto kept = alike_blocks(bare);
+  const auto kept = alike_blocks(matching);
+  const bool all_kept = std::ranges::find(kept, false) == kept.end();
+  if (all_kept && here_.size() > 0) return objectives_alike(model, matching);
   auto others = kept;
   others.flip();
   const auto errors = columns_.added(problem_.errors(base_, model, matching, others));
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = likelihoods_[i].negative_log(errors, kept);
+  std::vector<double> all;
+  for (const auto& likelihood : likelihoods_) all.push_back(likelihood.negative_log(errors, kept));
   return all;
 }
 
-// Whether each mode has a partner or none, and as many numbers, as in the base.
-std::vector<bool> ModesLook::alike_blocks(const ModeErrors& errors) const {
-  const auto& own = likelihoods_.front().errors().blocks;
+// The same where each block has the covariance of the base.
+std::vector<double> ModesLook::objectives_alike(const RecordedModes& model,
+                                                const Matching& matching) const {
+  std::vector<double> all(levels_.size(), HUGE_VAL);
+  const Eigen::VectorXd there = shifted(model, matching);
+  const Eigen::VectorXd change = there - here_;
+  if (change.cwiseAbs().maxCoeff() < kConstants.unchanged) return all;
+  const auto* own = without_cause(matching, there.size());
+  Eigen::MatrixXd columns(there.size(), own ? 2 : 1);
+  columns.col(0) = own_ + change;
+  if (own) columns.col(1) = there - *own;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Eigen::VectorXd squares = likelihoods_[i].squares(columns);
+    if (own && squares(1) < kConstants.start_seen) continue;
+    all[i] = likelihoods_[i].negative_log(squares(0));
+  }
+  return all;
+}
+
+// Whether each mode has a partner or none, as in the base, and so as many numbers.
+std::vector<bool> ModesLook::alike_blocks(const Matching& matching) const {
   std::vector<bool> alike;
-  for (std::size_t b = 0; b < own.size(); ++b) {
-    alike.push_back(own[b].of == errors.blocks[b].of);
+  for (std::size_t i = 0; i < matching.model.size(); ++i) {
+    alike.push_back((matching.model[i] < 0) == (base_.matching.model[i] < 0));
   }
   return alike;
 }
@@ -245,18 +248,12 @@ const Eigen::VectorXd* ModesLook::without_cause(const Matching& matching, Index 
   return nullptr;
 }
 
-bool ModesLook::same_partners(const Matching& matching) const {
-  for (std::size_t i = 0; i < matching.model.size(); ++i) {
-    if ((matching.model[i] < 0) != (base_.matching.model[i] < 0)) return false;
-  }
-  return true;
-}
-
 std::optional<RecordedModes> ModesLook::with(const Supposed& cause) const {
   try {
     State state = state_;
     cause.effect->apply(state, problem_.structure(), cause.option, cause.x);
-    return problem_.modes(state, true);
+    const bool is_known = body_ && have_same_body(state, state_);
+    return is_known ? ModesProblem::modes(state, *body_) : problem_.modes(state, true);
   } catch (const NumericalFailure&) {
     return std::nullopt;
   }

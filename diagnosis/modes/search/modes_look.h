@@ -47,12 +47,13 @@ class ModesLook {
   [[nodiscard]] Eigen::MatrixXd slopes(const Placed& at, const Eigen::VectorXd& steps) const;
   [[nodiscard]] std::vector<double> objectives(const RecordedModes& model,
                                                const Matching& matching) const;
-  [[nodiscard]] std::vector<bool> alike_blocks(const ModeErrors& errors) const;
+  [[nodiscard]] std::vector<double> objectives_alike(const RecordedModes& model,
+                                                     const Matching& matching) const;
+  [[nodiscard]] std::vector<bool> alike_blocks(const Matching& matching) const;
   [[nodiscard]] Eigen::VectorXd shifted(const RecordedModes& model, const Matching& matching) const;
   [[nodiscard]] std::vector<Matching> matchings(const RecordedModes& model) const;
   [[nodiscard]] const Eigen::VectorXd* without_cause(const Matching& matching,
                                                      Eigen::Index count) const;
-  [[nodiscard]] bool same_partners(const Matching& matching) const;
   [[nodiscard]] bool has_quick_pairs(const RecordedModes& model) const;
   [[nodiscard]] std::optional<RecordedModes> with(const Supposed& cause) const;
 
@@ -64,6 +65,7 @@ class ModesLook {
   std::vector<double> less_probable_;         // −ln prior of the levels, less the fit's
   Eigen::VectorXd own_;                       // errors of the base
   State state_;
+  std::optional<BodyModes> body_;  // its modes without channels
   Eigen::VectorXd here_;
   RecordedModes quick_;  // of the base, in few coordinates
   Matching quick_matching_;
