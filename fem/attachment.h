@@ -13,21 +13,21 @@ namespace chladni::fem {
 
 /// A mass at a site. Its rotary inertia follows the rotation of the material at the site.
 struct PointMass {
-  double mass = 0.0;                                          ///< [kg]
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();          ///< about its centre [kg m^2]
+  double mass = 0.0;                                  ///< [kg]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about its centre [kg m^2]
 };
 /// Spring and dashpot from a site to the ground, along a direction.
 struct GroundSpring {
-  Eigen::Vector3d direction;     ///< unit
-  double stiffness = 0.0;        ///< [N/m]
-  double damping = 0.0;          ///< [N s/m]
+  Eigen::Vector3d direction;  ///< unit
+  double stiffness = 0.0;     ///< [N/m]
+  double damping = 0.0;       ///< [N s/m]
 };
 /// Torsion spring and dashpot from a site to the ground, against rotation of the material at the
 /// site about an axis.
 struct GroundTorsionSpring {
-  Eigen::Vector3d axis;          ///< unit
-  double stiffness = 0.0;        ///< [N m/rad]
-  double damping = 0.0;          ///< [N m s/rad]
+  Eigen::Vector3d axis;    ///< unit
+  double stiffness = 0.0;  ///< [N m/rad]
+  double damping = 0.0;    ///< [N m s/rad]
 };
 /// Spring between two sites along a direction. A zero direction means the line between the sites.
 struct LinkSpring {
@@ -37,16 +37,16 @@ struct LinkSpring {
 };
 /// A mass on a spring. It adds one degree of freedom and one mode.
 struct Resonator {
-  Eigen::Vector3d direction;     ///< unit
-  double mass = 0.0;             ///< [kg]
-  double stiffness = 0.0;        ///< [N/m]
-  double damping = 0.0;          ///< [N s/m]
+  Eigen::Vector3d direction;  ///< unit
+  double mass = 0.0;          ///< [kg]
+  double stiffness = 0.0;     ///< [N/m]
+  double damping = 0.0;       ///< [N s/m]
 };
 
 struct Attachment {
   std::string name;
   mesh::Site site;
-  double footprint = 0.0;        ///< diameter of the disc over which it is spread [m]; 0: a point
+  double footprint = 0.0;  ///< diameter of the disc over which it is spread [m]; 0: a point
   std::variant<PointMass, GroundSpring, GroundTorsionSpring, LinkSpring, Resonator> what;
 };
 
@@ -84,5 +84,11 @@ struct AttachmentTerms {
 ///                       unit; names the attachment
 [[nodiscard]] AttachmentTerms terms(const mesh::TetMesh& body,
                                     const std::vector<Attachment>& attachments);
+
+/// The part of an attachment's footprint that lies on the body, 0 to 1; what is beyond an edge is
+/// left out of it. 1 for a point. Cost: one pass over the boundary faces.
+/// @param diameter  of the footprint [m]
+[[nodiscard]] double footprint_on_body(const mesh::TetMesh& body, const mesh::Site& site,
+                                       double diameter);
 
 }  // namespace chladni::fem

@@ -236,7 +236,7 @@ Points stacked(const std::vector<Eigen::Vector2d>& plan, double thickness, int l
   const auto n = static_cast<Eigen::Index>(plan.size());
   Points points(n * (layers + 1), 3);
   for (int k = 0; k <= layers; ++k) {
-    const double z = -thickness * (layers - k) / layers;
+    const double z = thickness * (k - layers) / layers;  // 0, not -0, on top
     for (Eigen::Index p = 0; p < n; ++p) {
       const Eigen::Vector2d& at = plan[static_cast<std::size_t>(p)];
       points.row(k * n + p) << at.x(), at.y(), z;

@@ -31,8 +31,8 @@ struct WantedModes {
 [[nodiscard]] std::string group_name(const Eigen::VectorXd& frequency_hz, Eigen::Index rigid_count,
                                      const WantedModes& wanted, int group);
 
-/// Collocated sensors and actuators, by index: on one line, at most 1 mm beside it, and at most a
-/// twentieth of the structure's size [m] apart along it.
+/// Collocated sensors and actuators, by index: on one line, at most 1 mm and a hundredth of the
+/// structure's size [m] beside it, and at most a twentieth of the size apart along it.
 [[nodiscard]] std::vector<std::pair<Eigen::Index, Eigen::Index>> collocated_pairs(
     const Lines& sensors, const Lines& actuators, double size);
 

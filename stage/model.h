@@ -19,7 +19,7 @@ struct Model {
   std::vector<mesh::Site> sensors, actuators;  ///< in the order of the study's channels
   fem::MassProperties mass;
   std::vector<std::string> notes;     ///< channels that were moved onto the body
-  std::vector<std::string> warnings;  ///< channels at places inside the body
+  std::vector<std::string> warnings;  ///< channels inside the body; points that turn; footprints
 };
 
 /// Places of the channels and attachments of a study.
@@ -31,7 +31,7 @@ struct Places {
 
 /// Places on the boundary of `body`, which may be a shell without cells. A place inside the body
 /// moves to the nearest point of the boundary, with a warning.
-/// @throws InvalidInput  places more than 1 mm off the body: their distances, all at once
+/// @throws InvalidInput  places farther off the body than `reach_of`: their distances, all at once
 [[nodiscard]] Places places_of(const study::Study& study, const mesh::TetMesh& body);
 
 /// The material of a region: the one that names it, else the one without region; null: none.

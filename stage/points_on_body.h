@@ -6,11 +6,16 @@
 
 #include "base/arrays.h"
 #include "mesh/site.h"
+#include "mesh/tet_mesh.h"
 #include "study/place.h"
 
 namespace chladni::stage {
 
 inline constexpr double kOnTheBody = 1e-3;  ///< [m]: a place that is farther off is an error
+
+/// How far a channel or an attachment may be off the body [m]: 1 mm, but no more than a hundredth
+/// of the body's longest side.
+[[nodiscard]] double reach_of(const mesh::TetMesh& body);
 
 /// The sites nearest to `points`, n×3 [m].
 /// @throws InvalidInput  a point is more than 1 mm off the surface, as for the places of a study:

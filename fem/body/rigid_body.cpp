@@ -208,6 +208,34 @@ Suspension suspension(const mesh::TetMesh& body, const System& system,
           free_rows(spring_forces(motions, attachments), system.dofs)};
 }
 
+namespace {
+
+// √(Σ V E / Σ V ρ) over the cells: a body may have a little rubber and much steel.
+double speed_of(const mesh::TetMesh& body, const std::vector<Material>& materials) {
+  const auto stiffness_of = [](const Material& one) {
+    return one.stiffness.diagonal().head<3>().mean();
+  };
+  if (materials.size() == 1) {
+    return std::sqrt(stiffness_of(materials.front()) / materials.front().density);
+  }
+  double stiffness = 0.0;
+  double mass = 0.0;
+  for (Eigen::Index t = 0; t < body.tet_count(); ++t) {
+    Eigen::Matrix3d edges;
+    for (int k = 0; k < 3; ++k) {
+      edges.col(k) =
+          (body.points.row(body.tets(t, k + 1)) - body.points.row(body.tets(t, 0))).transpose();
+    }
+    const double volume = std::abs(edges.determinant());
+    const auto& material = materials[static_cast<std::size_t>(body.region(t))];
+    stiffness += volume * stiffness_of(material);
+    mass += volume * material.density;
+  }
+  return mass > 0.0 ? std::sqrt(stiffness / mass) : 0.0;
+}
+
+}  // namespace
+
 double frequency_scale(const mesh::TetMesh& body, const std::vector<Material>& materials) {
   double area = 0.0;
   for (Eigen::Index f = 0; f < body.faces.rows(); ++f) {
@@ -220,9 +248,7 @@ double frequency_scale(const mesh::TetMesh& body, const std::vector<Material>& m
       (body.points.colwise().maxCoeff() - body.points.colwise().minCoeff()).maxCoeff();
   if (area <= 0.0 || longest <= 0.0) return 0.0;
   const double thickness = 2.0 * mesh::volume(body) / area;
-  const auto& material = materials.front();
-  const double speed = std::sqrt(material.stiffness.diagonal().head<3>().mean() / material.density);
-  return 0.65 * speed * thickness / (longest * longest);
+  return 0.65 * speed_of(body, materials) * thickness / (longest * longest);
 }
 
 }  // namespace chladni::fem

@@ -27,8 +27,8 @@ struct Suspension {
 [[nodiscard]] Suspension suspension(const mesh::TetMesh& body, const System& system,
                                     const AttachmentTerms& attachments);
 
-/// 0.65 c t / L² of a plate with the body's volume, surface and extent [Hz]. This estimates the
-/// first flexible frequency to a factor of ten.
+/// 0.65 c t / L² of a plate with the body's volume, surface and extent, and with the mean stiffness
+/// and density of its cells [Hz]. This estimates the first flexible frequency to a factor of ten.
 [[nodiscard]] double frequency_scale(const mesh::TetMesh& body,
                                      const std::vector<Material>& materials);
 

@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/text_stream.h"
+#include "fem/attachment.h"
 #include "fem/element.h"
 
 namespace chladni::fem {
@@ -141,6 +142,7 @@ struct Sample {
   Eigen::VectorXd shape;
   Eigen::Vector3d arm;  // from the site [m]
   double area = 0.0;
+  double seen = 0.0;  // of `area`, in the plane of the disc
 };
 
 // A face's corners projected on the disc, and the map back to the face's barycentric coordinates.
@@ -193,7 +195,8 @@ void sample(const Disc& disc, const mesh::TetMesh& body, Eigen::Index face, cons
       Sample s{.face = face,
                .shape = mesh::triangle_shape(body.order(), seen.barycentric(p)),
                .arm = -disc.centre,
-               .area = point.weight * area};
+               .area = point.weight * area,
+               .seen = point.weight * area * disc.radius * disc.radius / seen.stretch};
       for (Eigen::Index k = 0; k < s.shape.size(); ++k) {
         s.arm += s.shape(k) * body.points.row(body.faces(face, k)).transpose();
       }
@@ -327,6 +330,14 @@ SiteMotion footprint_motion(const mesh::TetMesh& body, const mesh::Site& site, d
                                    fmt::to_string(kMostNodes) +
                                    ": use several attachments with smaller footprints");
   return nearest_rigid_motion(body, samples, local);
+}
+
+double footprint_on_body(const mesh::TetMesh& body, const mesh::Site& site, double diameter) {
+  if (!(diameter > 0.0)) return 1.0;
+  const auto disc = disc_at(body, site, diameter);
+  double seen = 0.0;
+  for (const auto& sample : samples_within(disc, body)) seen += sample.seen;
+  return std::min(1.0, seen / (std::numbers::pi * disc.radius * disc.radius));
 }
 
 }  // namespace chladni::fem

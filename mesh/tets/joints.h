@@ -27,9 +27,9 @@ struct Joint {
 /// because they share only one node (a ball joint) or the nodes of a line (a hinge). Parts that
 /// share three nodes not on a line count as one part.
 struct Mechanism {
-  Parts parts;                ///< each moves as a rigid whole
-  std::vector<Joint> joints;  ///< between them
-  int free_motions = 0;       ///< beside the six of the whole body; 0: there is no mechanism
+  Parts parts = {};                ///< each moves as a rigid whole
+  std::vector<Joint> joints = {};  ///< between them
+  int free_motions = 0;            ///< beside the six of the whole body; 0: there is no mechanism
 };
 
 /// Finds a mechanism. Parts are rigid bodies, joined at shared nodes. The free motions are the null

@@ -45,7 +45,7 @@ std::set<Eigen::Index> columns_asked_for(const Structure& structure, const Plan&
   return columns;
 }
 
-// Adds all modes of a group.
+// Adds all modes of a group. That of the last mode may go on beyond what was computed.
 void complete_groups(const Structure& structure, double tolerance, std::set<Eigen::Index>& columns,
                      std::vector<std::string>& notes) {
   const Eigen::Index rigid = structure.rigid_count;
@@ -63,6 +63,11 @@ void complete_groups(const Structure& structure, double tolerance, std::set<Eige
                       "looked at together with it",
                       i + 1, structure.frequency_hz(i), 100.0 * tolerance));
     }
+    if (first + size < flexible) continue;
+    notes.push_back(fmt::format(
+        "mode {} ({:.2f} Hz) is the last that was computed: one within {:.2g} % above it would "
+        "belong to it and is not looked at; raise modes.count to know",
+        rigid + flexible, structure.frequency_hz(rigid + flexible - 1), 100.0 * tolerance));
   }
 }
 
@@ -160,7 +165,7 @@ std::vector<std::pair<Eigen::Index, Eigen::Index>> collocated_pairs(const Lines&
                                                                     const Lines& actuators,
                                                                     double size) {
   constexpr double kBeside = 1e-3;  // [m]
-  return collocated(sensors, actuators, kBeside, 0.05 * size);
+  return collocated(sensors, actuators, std::min(kBeside, 0.01 * size), 0.05 * size);
 }
 
 }  // namespace chladni::placement

@@ -99,9 +99,12 @@ std::string beginning(const FirstChoices& choices, const fs::path& file, const s
 // does so nowhere on that line.
 std::optional<Eigen::Vector2d> towards(const Eigen::Vector2d& corner, const Eigen::Vector2d& middle,
                                        const mesh::SiteFinder& finder) {
+  // A tenth of a millimetre, or on a small body a digit beyond a thousandth of it.
+  const double small = std::pow(10.0, std::floor(std::log10(2e-3 * (corner - middle).norm())));
+  const double step = small > 0.0 ? std::min(1e-4, small) : 1e-4;
   for (const double share : {1.0, 0.85, 0.7, 0.55, 0.4}) {
     const Eigen::Vector2d wanted = middle + share * (corner - middle);
-    const Eigen::Vector2d rounded = (wanted * 1e4).array().round() / 1e4;
+    const Eigen::Vector2d rounded = (wanted / step).array().round() * step;
     const auto site = finder.from_above(rounded.x(), rounded.y());
     if (site && site->normal.z() > 0.5) return rounded;
   }

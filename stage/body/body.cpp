@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -44,14 +45,17 @@ mesh::Layering layering_of(const Body& body, const study::MeshPlan& plan, int or
   return layering;
 }
 
-/// Layers of a plate on four corners: those of the rectangle around it.
+/// Layers of a plate on four corners: those of the rectangle of its longer sides, however it is
+/// turned.
 mesh::Layering layering_of(const mesh::Quadrilateral& body, const study::MeshPlan& plan,
                            int order) {
-  const Eigen::Vector2d extent =
-      body.corners.colwise().maxCoeff() - body.corners.colwise().minCoeff();
-  auto layering =
-      layering_of(mesh::Plate{.length = extent(0), .width = extent(1), .thickness = body.thickness},
-                  plan, order);
+  const auto side = [&](int a, int b) {
+    return (body.corners.row(a) - body.corners.row(b)).norm();
+  };
+  auto layering = layering_of(mesh::Plate{.length = std::max(side(0, 1), side(3, 2)),
+                                          .width = std::max(side(1, 2), side(0, 3)),
+                                          .thickness = body.thickness},
+                              plan, order);
   layering.edge_strip = 0.0;
   return layering;
 }

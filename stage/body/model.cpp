@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "base/error.h"
@@ -25,7 +26,7 @@ std::string millimetres(const Eigen::Vector3d& point, bool two) {
 class Placing {
  public:
   Placing(const study::Study& study, const mesh::TetMesh& body)
-      : file_(study.file.string()), body_(body), problems_(file_) {}
+      : file_(study.file.string()), body_(body), reach_(reach_of(body)), problems_(file_) {}
 
   mesh::Site site(const std::string& what, const study::Place& place) {
     const Eigen::Vector3d& wanted = place.point;
@@ -36,13 +37,13 @@ class Placing {
                                           millimetres(place.point, place.from_above), 1e3 * off,
                                           millimetres(site.position, place.from_above));
     const bool inside = !place.from_above && site.normal.dot(wanted - site.position) < -0.9 * off;
-    if (off > kOnTheBody && inside) {
+    if (off > reach_ && inside) {
       warnings_.push_back(
           fmt::format("{}:{}: {} at {} is {:.4g} mm inside the body; the nearest "
                       "place of its surface, {}, is taken instead",
                       file_, place.line, what, millimetres(place.point, false), 1e3 * off,
                       millimetres(site.position, false)));
-    } else if (off > kOnTheBody) {
+    } else if (off > reach_) {
       problems_.add(place.line, 1, found);
     } else if (off > kMovedSilently) {
       notes_.push_back(found + ", taken instead");
@@ -59,6 +60,7 @@ class Placing {
  private:
   std::string file_;
   const mesh::TetMesh& body_;
+  double reach_;  // [m]
   std::optional<mesh::SiteFinder> finder_;
   study::Problems problems_;
   std::vector<std::string> notes_, warnings_;
@@ -98,17 +100,89 @@ Eigen::Vector3d direction_of(const fem::Attachment& attachment) {
   return Eigen::Vector3d::UnitZ();
 }
 
-// A moment at one point of a solid turns it without bound: what holds there is the element.
-void warn_of_turned_points(const study::Study& study, std::vector<std::string>& warnings) {
-  for (const auto& plan : study.attachments) {
-    const auto* mass = std::get_if<fem::PointMass>(&plan.what);
-    if (mass == nullptr || plan.footprint > 0.0 || mass->inertia.isZero(0.0)) continue;
-    warnings.push_back(fmt::format(
-        "attachment \"{}\": its inertia turns a single point of the body, which holds it the less "
-        "the finer the mesh is: its modes are the mesh's. Give the diameter over which it is "
-        "fixed, such as footprint = \"20 mm\"",
-        plan.name));
+// The softest shear modulus [Pa].
+double shear_modulus(const study::Study& study) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& material : study.materials) {
+    least = std::min(least, material.material.stiffness.diagonal().tail<3>().minCoeff());
   }
+  return least;
+}
+
+// What at a single point the mesh holds and not the body, whose point gives way without bound;
+// empty: nothing. Against G h and G h^3 of a cell of length h springs below these shares are soft:
+// they move frequencies by less than a hundredth of themselves, from one mesh to a finer one.
+std::string held_by_the_mesh(const study::AttachmentPlan& plan, double shear, double h) {
+  constexpr double kSoft = 0.1;
+  constexpr double kSoftTurn = 3e-3;
+  const auto* mass = std::get_if<fem::PointMass>(&plan.what);
+  if (mass != nullptr && !mass->inertia.isZero(0.0)) return "its inertia turns";
+  const auto* turn = std::get_if<fem::GroundTorsionSpring>(&plan.what);
+  if (turn != nullptr && turn->stiffness > kSoftTurn * shear * h * h * h) return "its spring turns";
+  const auto* ground = std::get_if<fem::GroundSpring>(&plan.what);
+  const auto* link = std::get_if<fem::LinkSpring>(&plan.what);
+  const double stiffness = ground != nullptr ? ground->stiffness
+                           : link != nullptr ? link->stiffness
+                                             : 0.0;
+  return stiffness > kSoft * shear * h ? "its spring holds" : "";
+}
+
+double edge_at(const mesh::TetMesh& body, const mesh::Site& site) {
+  double sum = 0.0;
+  for (const auto& [a, b] : mesh::kTriangleEdges) {
+    sum += (body.points.row(site.nodes(a)) - body.points.row(site.nodes(b))).norm();
+  }
+  return sum / 3.0;
+}
+
+void warn_of_single_points(const study::Study& study, const mesh::TetMesh& body, Places& places) {
+  const double shear = shear_modulus(study);
+  for (std::size_t i = 0; i < study.attachments.size(); ++i) {
+    const auto& plan = study.attachments[i];
+    if (plan.footprint > 0.0) continue;
+    double edge = edge_at(body, places.attachments[i]);
+    if (plan.to) edge = std::min(edge, edge_at(body, places.link_ends[i]));
+    const auto what = held_by_the_mesh(plan, shear, edge);
+    if (what.empty()) continue;
+    places.warnings.push_back(fmt::format(
+        "attachment \"{}\": {} a single point of the body, which holds it the less the finer the "
+        "mesh is: its modes are the mesh's. Give the diameter over which it is fixed, such as "
+        "footprint = \"20 mm\"",
+        plan.name, what));
+  }
+}
+
+// What of a footprint lies beyond an edge is left out of it.
+void warn_of_footprints(const study::Study& study, const mesh::TetMesh& body, Places& places) {
+  constexpr double kWhole = 0.98;
+  for (std::size_t i = 0; i < study.attachments.size(); ++i) {
+    const auto& plan = study.attachments[i];
+    double on = fem::footprint_on_body(body, places.attachments[i], plan.footprint);
+    if (plan.to) {
+      on = std::min(on, fem::footprint_on_body(body, places.link_ends[i], plan.footprint));
+    }
+    if (on >= kWhole) continue;
+    places.warnings.push_back(fmt::format(
+        "attachment \"{}\": {:.0f} % of its footprint of {:.6g} mm lies on the body; the rest is "
+        "left out, and what it does acts on that part",
+        plan.name, 100.0 * on, 1e3 * plan.footprint));
+  }
+}
+
+// Places of a mounting grid beyond the body are no candidates. Empty: all are on it.
+std::string off_the_grid(const study::GridPlan& grid, const mesh::TetMesh& body) {
+  const mesh::SiteFinder finder(body);
+  int off = 0;
+  for (int i = 0; i < grid.columns; ++i) {
+    for (int j = 0; j < grid.rows; ++j) {
+      const Eigen::Vector2d steps(i - 0.5 * (grid.columns - 1), j - 0.5 * (grid.rows - 1));
+      const Eigen::Vector2d at = grid.centre + steps.cwiseProduct(grid.pitch);
+      if (!finder.from_above(at.x(), at.y())) ++off;
+    }
+  }
+  if (off == 0) return {};
+  return fmt::format("placement.grid: {} of its {} places are not on the body and are left out",
+                     off, grid.columns * grid.rows);
 }
 
 }  // namespace
@@ -125,7 +199,8 @@ Places places_of(const study::Study& study, const mesh::TetMesh& body) {
                                        : mesh::Site{});
   }
   placing.finish(places);
-  warn_of_turned_points(study, places.warnings);
+  warn_of_single_points(study, body, places);
+  warn_of_footprints(study, body, places);
   return places;
 }
 
@@ -168,6 +243,10 @@ Model model_of(const study::Study& study, mesh::TetMesh body) {
   model.actuators = std::move(places.actuators);
   model.notes = std::move(places.notes);
   model.warnings = std::move(places.warnings);
+  if (study.placement && study.placement->grid) {
+    const auto off = off_the_grid(*study.placement->grid, model.body);
+    if (!off.empty()) model.notes.push_back(off);
+  }
   for (std::size_t i = 0; i < study.attachments.size(); ++i) {
     const auto& plan = study.attachments[i];
     fem::Attachment attachment{plan.name, places.attachments[i], plan.footprint, plan.what};

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 
 #include "base/error.h"
+#include "mesh/surface.h"
 
 namespace chladni::stage {
 namespace {
@@ -14,6 +16,12 @@ std::string in_mm(const Eigen::Vector3d& at) {
 }
 
 }  // namespace
+
+double reach_of(const mesh::TetMesh& body) {
+  constexpr double kShare = 0.01;
+  const auto box = mesh::bounding_box(body.points);
+  return std::min(kOnTheBody, kShare * (box.row(1) - box.row(0)).maxCoeff());
+}
 
 std::vector<mesh::Site> sites_near(const mesh::SiteFinder& finder, const Points& points) {
   std::vector<mesh::Site> sites;

@@ -5,12 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace chladni::stage {
 namespace {
 
 constexpr double kBlind = 0.01;      // part of the largest motion of a mode
 constexpr double kMeshError = 0.01;  // relative, of a frequency
+constexpr double kDashpot = 0.1;     // of the stated damping ratio: less is not worth a word
+constexpr double kNoDashpot = 1e-6;  // damping ratio
 constexpr std::size_t kMostListed = 8;
 
 /// A flexible mode, or a repeated one with all its members.
@@ -172,6 +175,33 @@ std::vector<std::string> coarse_mesh(const Solution& solution) {
   return {fmt::format("the mesh may leave mode {} ({:.2f} Hz) {:.1f} % too high; for 1 % {}{}",
                       worst + 1, solution.modes.frequency_hz(worst), 100.0 * error, remedy,
                       order < 3 ? ", or raise mesh.order" : "")};
+}
+
+std::vector<std::string> left_out_dashpots(const Solution& solution) {
+  const auto& damping = solution.system->damping;
+  if (damping.nonZeros() == 0) return {};
+  const auto& modes = solution.modes;
+  const auto& free_dof = solution.system->dofs.free_dof;
+  std::vector<std::string> damped;
+  Eigen::VectorXd shape(damping.rows());
+  for (auto i = modes.rigid_count; i < modes.mode_count(); ++i) {
+    for (Eigen::Index dof = 0; dof < free_dof.size(); ++dof) {
+      if (free_dof(dof) < 0) continue;
+      const auto extra = dof - modes.shapes.rows();
+      shape(free_dof(dof)) = extra < 0 ? modes.shapes(dof, i) : solution.extra_shapes(extra, i);
+    }
+    const double omega = 2.0 * std::numbers::pi * modes.frequency_hz(i);
+    const Eigen::VectorXd force = damping.selfadjointView<Eigen::Lower>() * shape;
+    const double ratio = shape.dot(force) / (2.0 * omega);
+    if (ratio <= std::max(kDashpot * modes.damping_ratio(i), kNoDashpot)) continue;
+    damped.push_back(
+        fmt::format("mode {} ({:.2f} Hz) {:.2g}", i + 1, modes.frequency_hz(i), ratio));
+  }
+  if (damped.empty()) return {};
+  return {
+      "dashpots are left out of the modes and of their damping ratios; by themselves they would "
+      "give a damping ratio to " +
+      first_of(damped)};
 }
 
 }  // namespace chladni::stage

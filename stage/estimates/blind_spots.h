@@ -23,4 +23,8 @@ namespace chladni::stage {
 /// made, if the mesh makes a frequency more than 1 % high.
 [[nodiscard]] std::vector<std::string> coarse_mesh(const Solution& solution);
 
+/// Tells the damping ratios that the dashpots alone would give to the modes, φᵀCφ / 2ω, where they
+/// are more than a tenth of those of the study: modes are those without dashpots.
+[[nodiscard]] std::vector<std::string> left_out_dashpots(const Solution& solution);
+
 }  // namespace chladni::stage

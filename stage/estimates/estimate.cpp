@@ -6,12 +6,14 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "base/error.h"
 #include "fem/error_estimate.h"
 #include "mesh/surface.h"
 #include "mesh/tetrahedralize.h"
+#include "stage/estimates/sides.h"
 #include "stage/model.h"
 
 namespace chladni::stage {
@@ -29,15 +31,14 @@ constexpr double kTimePerMode = 0.02;    // part of the total time, per mode bey
 constexpr double kBelieved = 0.75;       // part of a forecast without a mesh that is believed
 constexpr double kModesPerFreedom = 0.1;  // above this no mesh of any kind resolves them
 
-/// Length, width and thickness: the box's sides by size, and the thickness that fits its volume.
+/// Length, width and thickness: the body's sides by size, and the thickness that fits its volume.
 struct Slab {
   double length, width, thickness;
 };
 
 Slab slab_of(const Understood& body) {
-  Eigen::Vector3d sides = body.extent_m;
-  std::sort(sides.data(), sides.data() + 3);
-  return {sides(2), sides(1), body.volume_m3 / (sides(2) * sides(1))};
+  const auto& sides = body.sides_m;
+  return {sides(0), sides(1), body.volume_m3 / (sides(0) * sides(1))};
 }
 
 /// Young's modulus and Poisson's ratio in the plane, averaged over x and y.
@@ -234,17 +235,21 @@ std::string Understood::line() const {
   const std::string round = is_round(*this) ? " (diameter " + in_digits(mm(0), 1) + " mm)" : "";
   const std::string mass =
       mass_kg < 1.0 ? in_digits(1e3 * mass_kg, 2) + " g" : in_digits(mass_kg, 2) + " kg";
-  return fmt::format("{} x {} x {} mm{}  {}  first {} estimate {:.{}f} Hz", in_digits(mm(0), 1),
+  return fmt::format("{} x {} x {} mm{}  {}  first {} estimate {:.{}f} Hz{}", in_digits(mm(0), 1),
                      in_digits(mm(1), 1), in_digits(mm(2), 1), round, mass, estimate_name,
-                     first_frequency_hz, first_frequency_hz < 100.0 ? 1 : 0);
+                     first_frequency_hz, first_frequency_hz < 100.0 ? 1 : 0,
+                     is_held ? ", were it free" : "");
 }
 
 Understood understood(const study::Study& study, const Outline& outline) {
   Understood body;
   const auto box = mesh::bounding_box(outline.shell.points);
   body.extent_m = (box.row(1) - box.row(0)).transpose();
+  body.sides_m = sides_of(outline.shell);
   if (const auto* disc = std::get_if<mesh::Disc>(&study.geometry.body)) {
     body.extent_m = {disc->diameter, disc->diameter, disc->thickness};  // the outline is a polygon
+    body.sides_m = body.extent_m;
+    std::sort(body.sides_m.data(), body.sides_m.data() + 3, std::greater<>());
   }
   body.volume_m3 = outline.volume;
   const auto volume = region_volumes(study, outline);
@@ -259,6 +264,7 @@ Understood understood(const study::Study& study, const Outline& outline) {
   const auto estimate = first_frequency(study, body);
   body.first_frequency_hz = estimate.hz;
   body.estimate_name = estimate.name;
+  body.is_held = !study.supports.empty();
   return body;
 }
 
@@ -344,53 +350,6 @@ void refuse_too_many_modes(const study::Study& study, const Understood& body, co
 
 bool fits(const Cost& cost, double have_bytes) {
   return (cost.exact ? 1.0 : kBelieved) * cost.memory_bytes <= have_bytes;
-}
-
-std::string bytes_text(double bytes) {
-  if (bytes > 1e15) return "over 1000 TB";  // more than any computer has
-  return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6)
-                     : fmt::format("{:.1f} GB", bytes / 1e9);
-}
-
-namespace {
-
-// "4 s", "5 h", "12 days".
-std::string work_text(double seconds) {
-  constexpr double kHour = 3600.0, kDay = 24.0 * kHour, kYear = 365.25 * kDay;
-  if (seconds > 1e3 * kYear) return "more than a thousand years";
-  if (seconds > 2.0 * kYear) return fmt::format("{:.0f} years", seconds / kYear);
-  if (seconds > 2.0 * kDay) return fmt::format("{:.0f} days", seconds / kDay);
-  if (seconds > 3.0 * kHour) return fmt::format("{:.0f} h", seconds / kHour);
-  return fmt::format("{:.{}f} s", seconds, seconds < 9.5 ? 1 : 0);
-}
-
-}  // namespace
-
-std::string Cost::line() const {
-  const auto memory = bytes_text(memory_bytes);
-  return fmt::format("forecast: {}{:.0f} degrees of freedom, {}{} of memory and {} of one core",
-                     exact ? "" : "about ", degrees_of_freedom,
-                     memory.starts_with("over") ? "" : "about ", memory, work_text(seconds));
-}
-
-std::vector<std::string> implausible(const Understood& body) {
-  std::vector<std::string> warnings;
-  const double longest = body.extent_m.maxCoeff();
-  const auto unit_question = " long: is the length unit right?";
-  if (longest > 10.0 * (1.0 + 1e-9)) {
-    warnings.push_back(fmt::format("the body is {:.4g} m{}", longest, unit_question));
-  }
-  if (longest < 1e-3) {
-    warnings.push_back(fmt::format("the body is {:.4g} mm{}", 1e3 * longest, unit_question));
-  }
-  const double hz = body.first_frequency_hz;
-  if (hz < 1.0 || hz > 1e5) {
-    warnings.push_back(
-        fmt::format("its first flexible mode is estimated at {:.4g} Hz, outside 1 Hz "
-                    "to 100 kHz: are the dimensions and the material right?",
-                    hz));
-  }
-  return warnings;
 }
 
 }  // namespace chladni::stage

@@ -11,11 +11,13 @@ namespace chladni::stage {
 
 struct Understood {
   Eigen::Vector3d extent_m = Eigen::Vector3d::Zero();  ///< of the bounding box
+  Eigen::Vector3d sides_m = Eigen::Vector3d::Zero();   ///< however it is turned, the longest first
   double volume_m3 = 0.0;
   double mass_kg = 0.0;             ///< each region with its own material
   fem::Material material = {};      ///< of the largest region
   double first_frequency_hz = 0.0;  ///< flexible, free body; within a factor of two if ribbed
   std::string estimate_name;        ///< "plate", "beam", "disc", "ring" or "box"
+  bool is_held = false;             ///< by supports: the estimate is still of the free body
   /// "600.0 x 600.0 x 20.0 mm  19.44 kg  first plate estimate 186 Hz"
   [[nodiscard]] std::string line() const;
 };

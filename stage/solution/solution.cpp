@@ -80,13 +80,14 @@ SolvedModes modes_of(const study::Study& study, const Solution& solution, int fl
   return solved;
 }
 
-/// Number of modes that the study asks for among those that were computed.
+/// Number of modes that the study asks for among those that were computed. A repeated mode is not
+/// cut, also where the frequency up to which they are wanted lies within it.
 Eigen::Index own_count(const study::Study& study, const modal::Modes& modes,
                        const std::vector<fem::Cluster>& clusters) {
   if (study.modes.up_to_hz <= 0.0) return count_with(wanted_count(study), modes, clusters);
   Eigen::Index below = 0;
   while (below < modes.mode_count() && modes.frequency_hz(below) <= study.modes.up_to_hz) ++below;
-  return below;
+  return count_with(static_cast<int>(below - modes.rigid_count), modes, clusters);
 }
 
 /// The solution with its first modes alone.
@@ -156,6 +157,7 @@ void take(SolvedModes solved, Solution& solution) {
 void warn_of_modes(const study::Study& study, Solution& solution, Work& work) {
   warn(solution.summary.warnings, solution, work);
   warn(coarse_mesh(solution), solution, work);
+  warn(left_out_dashpots(solution), solution, work);
   // A part of the work has the channels of the study, which is told of them itself.
   if (work.part().empty()) warn(blind_spots(study, solution), solution, work);
 }

@@ -67,5 +67,25 @@ TEST(RigidBody, ABodyThatIsHeldEverywhereIsRefused) {
   EXPECT_THROW((void)assemble(body, {isotropic(70e9, 0.33, 2700.0)}, supports, {}), InvalidInput);
 }
 
+// A pad of rubber that stands first in a study says nothing of the steel plate above it.
+TEST(RigidBody, TheFrequencyScaleIsThatOfAllMaterials) {
+  auto body = mesh::layered(mesh::Plate{0.2, 0.15, 0.01}, 0.05, 1);
+  const auto steel = isotropic(210e9, 0.3, 7850.0);
+  const auto rubber = isotropic(1e6, 0.3, 1100.0);
+  const double alone = assemble(body, {steel}, {}, {}).frequency_scale_hz;
+  body.region_names = {"pad", "plate"};
+  body.region.setOnes();
+  body.region(0) = 0;
+  for (const bool turned : {false, true}) {
+    if (turned) body.region = (1 - body.region.array()).matrix();
+    const std::vector<Material> materials =
+        turned ? std::vector{steel, rubber} : std::vector{rubber, steel};
+    EXPECT_NEAR(assemble(body, materials, {}, {}).frequency_scale_hz, alone, 0.1 * alone);
+  }
+  body.region.setZero();  // both the same
+  const std::vector<Material> same{steel, steel};
+  EXPECT_NEAR(assemble(body, same, {}, {}).frequency_scale_hz, alone, 1e-9 * alone);
+}
+
 }  // namespace
 }  // namespace chladni::fem

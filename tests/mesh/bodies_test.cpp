@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -191,6 +192,12 @@ TEST(TableSurface, AWaferIsARegionOfItsOwn) {
   EXPECT_NEAR(patch_area(two, "wafer_top"), disc, 1e-10);
   EXPECT_NEAR(patch_area(two, "top"), 0.16 - disc, 1e-10);
   EXPECT_NEAR(patch_area(two, "interface_wafer"), disc, 1e-10);
+}
+
+// Tables showed places on it at -0.00 mm.
+TEST(Layered, TopOfADiscIsAtZeroWithoutASign) {
+  const auto disc = layered(Disc{.diameter = 0.3, .thickness = 0.01}, 0.1, 1);
+  for (const double z : disc.points.col(2)) EXPECT_EQ(std::signbit(z), z != 0.0);
 }
 
 }  // namespace

@@ -199,6 +199,20 @@ TEST(WantedModes, NoiseOfFrfsKnowsWhereTwoChannelsDriveOneOfTwoEqualModes) {
   EXPECT_LT(wanted.sensor_noise(0), wanted.rms(0));
 }
 
+// What comes after the last mode is not known: it may be its partner.
+TEST(WantedModes, SayThatTheGroupOfTheLastModeMayGoOn) {
+  const auto structure = beam(Eigen::Vector2d(0.31, 0.9), Eigen::Vector2d(0.2, 0.2));
+  for (const int mode : {static_cast<int>(kModes) - 1, static_cast<int>(kModes)}) {
+    Plan plan;
+    plan.modes = {mode};
+    std::vector<std::string> notes;
+    (void)wanted_modes(structure, points_of_beam(31), plan, notes);
+    ASSERT_EQ(notes.size(), mode == kModes ? 1U : 0U);
+    if (notes.empty()) continue;
+    EXPECT_NE(notes[0].find("is the last that was computed"), std::string::npos) << notes[0];
+  }
+}
+
 // Modes of the pinned beam with their slopes, d/dx √2 sin(kπx/L).
 Sites points_with_slopes(Eigen::Index count) {
   auto sites = points_of_beam(count);

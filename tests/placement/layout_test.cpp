@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "modal/frf.h"
 #include "placement/constants.h"
+#include "placement/wanted_modes.h"
 #include "tests/placement/plate.h"
 
 namespace chladni::placement {
@@ -311,6 +312,23 @@ TEST(Collocated, DoNotDependOnTheOrderOfTheChannels) {
     std::ranges::sort(again);
     EXPECT_EQ(again, pairs) << k;
   }
+}
+
+// Devices 0.9 mm apart on a body of 6 mm are as far from each other as 90 mm on one of 600 mm.
+TEST(Collocated, AreTheSameOnASmallBody) {
+  const auto pairs = [](double scale) {
+    Lines sensors{Points(2, 3), Points(2, 3)}, actuators = sensors;
+    sensors.position << 0.0, 0.0, 0.0, 0.2, 0.1, 0.0;
+    actuators.position << 0.09, 0.0, 0.0, 0.2, 0.1, -0.02;
+    sensors.position *= scale;
+    actuators.position *= scale;
+    sensors.direction << 0.0, 0.0, 1.0, 0.0, 0.0, 1.0;
+    actuators.direction = sensors.direction;
+    return collocated_pairs(sensors, actuators, 0.6 * scale);
+  };
+  const std::vector<std::pair<Eigen::Index, Eigen::Index>> second{{1, 1}};
+  EXPECT_EQ(pairs(1.0), second);
+  EXPECT_EQ(pairs(0.01), second);
 }
 
 TEST(Collocated, AreOnBothFacesOfAThinBodyButNotBesideEachOther) {

@@ -63,26 +63,95 @@ TEST(PointsOnBody, HaveTheirNormalsOrGivenDirections) {
                       "there are 3 directions for 2 points"));
 }
 
+// Warnings of an attachment to a plate of 300 x 200 x 10 mm.
+std::vector<std::string> warnings_of(const std::string& attachment, double edge = 0.05) {
+  const auto study = study::parse_study(
+      "[geometry]\nplate = { length = \"300 mm\", width = \"200 mm\", thickness = \"10 mm\" }\n"
+      "[material]\nyoungs_modulus = \"70 GPa\"\npoissons_ratio = 0.33\n"
+      "density = \"2700 kg/m^3\"\n"
+      "[[attachment]]\nname = \"motor\"\n" +
+          attachment,
+      "study.toml");
+  const mesh::Plate body{.length = 0.3, .width = 0.2, .thickness = 0.01};
+  return places_of(study, mesh::layered(body, edge, 1)).warnings;
+}
+
 // A finer mesh, which is what else would be advised, makes it worse.
 TEST(PlacesOfAttachments, AMassThatTurnsAPointAsksForAFootprint) {
-  const auto warnings = [](const std::string& more) {
-    const auto study = study::parse_study(
-        "[geometry]\nplate = { length = \"300 mm\", width = \"200 mm\", thickness = \"10 mm\" }\n"
-        "[material]\nyoungs_modulus = \"70 GPa\"\npoissons_ratio = 0.33\n"
-        "density = \"2700 kg/m^3\"\n"
-        "[[attachment]]\nname = \"motor\"\nkind = \"mass\"\nat = [\"60 mm\", \"50 mm\"]\n"
-        "mass = \"1 kg\"\n" +
-            more,
-        "study.toml");
-    return places_of(study, plate()).warnings;
-  };
-  const std::string inertia = "inertia = [\"0 kg m^2\", \"3e-3 kg m^2\", \"0 kg m^2\"]\n";
-  EXPECT_TRUE(warnings("").empty());
-  EXPECT_TRUE(warnings(inertia + "footprint = \"40 mm\"\n").empty());
-  const auto found = warnings(inertia);
+  const std::string mass = "kind = \"mass\"\nat = [\"60 mm\", \"50 mm\"]\nmass = \"1 kg\"\n";
+  const std::string inertia = mass + "inertia = [\"0 kg m^2\", \"3e-3 kg m^2\", \"0 kg m^2\"]\n";
+  EXPECT_TRUE(warnings_of(mass).empty());
+  EXPECT_TRUE(warnings_of(inertia + "footprint = \"40 mm\"\n").empty());
+  const auto found = warnings_of(inertia);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_NE(found[0].find("attachment \"motor\""), std::string::npos) << found[0];
   EXPECT_NE(found[0].find("footprint ="), std::string::npos) << found[0];
+}
+
+// A torsion spring of 10 kN m/rad at a point: a block of 120 mm had 615 Hz on cells of 40 mm and
+// 216 Hz on cells of 5 mm.
+TEST(PlacesOfAttachments, AStiffSpringAtAPointAsksForAFootprint) {
+  const auto turning = [](const std::string& stiffness) {
+    return "kind = \"torsion_spring\"\nat = [\"60 mm\", \"50 mm\"]\naxis = \"y\"\nstiffness = \"" +
+           stiffness + " N m/rad\"\n";
+  };
+  EXPECT_EQ(warnings_of(turning("1e5")).size(), 1U);
+  EXPECT_TRUE(warnings_of(turning("1e5") + "footprint = \"40 mm\"\n").empty());
+  EXPECT_TRUE(warnings_of(turning("20")).empty());
+  EXPECT_EQ(warnings_of(turning("1e3"), 0.01).size(), 1U);
+  const auto holding = [](const std::string& stiffness) {
+    return "kind = \"spring\"\nat = [\"60 mm\", \"50 mm\"]\ndirection = \"z\"\nstiffness = \"" +
+           stiffness + " N/m\"\n";
+  };
+  EXPECT_EQ(warnings_of(holding("1e9")).size(), 1U);
+  EXPECT_TRUE(warnings_of(holding("1e6")).empty());
+}
+
+TEST(PlacesOfAttachments, AFootprintBeyondAnEdgeIsSaid) {
+  const auto at = [](const std::string& x, const std::string& y) {
+    return "kind = \"mass\"\nmass = \"1 kg\"\nfootprint = \"40 mm\"\nat = [\"" + x + " mm\", \"" +
+           y + " mm\"]\n";
+  };
+  EXPECT_TRUE(warnings_of(at("130", "0")).empty());
+  const auto corner = warnings_of(at("150", "100"));
+  ASSERT_EQ(corner.size(), 1U);
+  EXPECT_NE(corner[0].find("25 % of its footprint of 40 mm lies on the body"), std::string::npos)
+      << corner[0];
+}
+
+// A hundredth of the body's size is far for a body of 3 mm as for one of 300 mm.
+TEST(PlacesOfAttachments, OfASmallBodyAreNearIt) {
+  const auto faults = [](const std::string& z) {
+    const auto study = study::parse_study(
+        "[geometry]\nplate = { length = \"3 mm\", width = \"2 mm\", thickness = \"0.1 mm\" }\n"
+        "[material]\nyoungs_modulus = \"70 GPa\"\npoissons_ratio = 0.33\n"
+        "density = \"2700 kg/m^3\"\n"
+        "[[sensor]]\nname = \"s\"\ndirection = \"z\"\nat = [\"0 mm\", \"0 mm\", \"" +
+            z + " mm\"]\n",
+        "study.toml");
+    const mesh::Plate body{.length = 3e-3, .width = 2e-3, .thickness = 1e-4};
+    return refusal_of([&] { return places_of(study, mesh::layered(body, 5e-4, 1)); });
+  };
+  EXPECT_EQ(faults("0.02"), "");
+  EXPECT_NE(faults("0.5").find("is 0.5 mm off the body"), std::string::npos);
+}
+
+// Two of eight columns lie beyond the plate of 300 mm.
+TEST(PlacesOfAGrid, BeyondTheBodyAreCounted) {
+  const auto notes = [](int columns) {
+    const auto study = study::parse_study(
+        "[geometry]\nplate = { length = \"300 mm\", width = \"300 mm\", thickness = \"10 mm\" }\n"
+        "[material]\nyoungs_modulus = \"70 GPa\"\npoissons_ratio = 0.33\n"
+        "density = \"2700 kg/m^3\"\n[placement]\ngrid = { pitch = \"60 mm\", columns = " +
+            std::to_string(columns) + ", rows = 5 }\n",
+        "study.toml");
+    const mesh::Plate body{.length = 0.3, .width = 0.3, .thickness = 0.01};
+    return model_of(study, mesh::layered(body, 0.05, 1)).notes;
+  };
+  EXPECT_TRUE(notes(4).empty());
+  const auto beyond = notes(8);
+  ASSERT_EQ(beyond.size(), 1U);
+  EXPECT_NE(beyond[0].find("10 of its 40 places"), std::string::npos) << beyond[0];
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <string>
 
+#include "stage/remedies/trials.h"
 #include "tests/rotation/turn.h"
 
 namespace chladni::stage {
@@ -93,6 +94,24 @@ TEST(Remedies, TellAnExtrapolatedErrorThatHolds) {
     EXPECT_LT(found.frequency_error.maxCoeff(), 1.05 * *way.frequency_error) << way.line();
     EXPECT_GT(found.frequency_error.maxCoeff(), 0.2 * *way.frequency_error) << way.line();
   }
+}
+
+// Two cells span the beam: the eighth motion of the mesh is not the
+// eighth of the beam, which is two thirds lower. What the mesh leaves is not known.
+TEST(Trials, TellNoErrorOfAMeshThatIsTooCoarse) {
+  const auto beam = body("beam = { length = \"600 mm\", width = \"40 mm\", thickness = \"20 mm\" }",
+                         "edge_length = \"20 mm\", order = 2", 8);
+  Work work;
+  const auto introduction = introduced(beam, work);
+  Trials trials(beam, introduction, 1e9, work);
+  const auto error = [&](double edge) {
+    return trials.error({.elements = {.order = 2, .edge_length = edge}, .degrees_of_freedom = 1e3});
+  };
+  EXPECT_FALSE(error(0.3));
+  const auto known = error(0.04);
+  ASSERT_TRUE(known);
+  EXPECT_GT(known->relative, 0.0335);  // the truth
+  EXPECT_LT(known->relative, 0.1);
 }
 
 }  // namespace
