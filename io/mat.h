@@ -15,7 +15,8 @@ using MatFields = std::vector<std::pair<std::string, MatValue>>;  ///< in the fi
 /// A value of a variable, cell or field.
 class MatValue {
  public:
-  enum class Kind { number, text, cell, structure, other };
+  /// `large`: numbers that were left in the file.
+  enum class Kind { number, large, text, cell, structure, structures, other };
 
   MatValue() = default;
   MatValue(double number);
@@ -28,11 +29,11 @@ class MatValue {
   MatValue(std::vector<Eigen::Index> dims, Eigen::VectorXd real, Eigen::VectorXd imag = {});
 
   Kind kind = Kind::other;
-  std::vector<Eigen::Index> dims;     ///< two or more
-  Eigen::VectorXd real, imag;         ///< all numbers; imag is empty where they are real
-  std::vector<std::string> text;      ///< rows of a text
-  std::vector<MatValue> cells;        ///< of a cell array, with the first dimension fastest
-  MatFields fields;                   ///< of one structure; arrays of structures are `other`
+  std::vector<Eigen::Index> dims;  ///< two or more
+  Eigen::VectorXd real, imag;      ///< all numbers; imag is empty where they are real
+  std::vector<std::string> text;   ///< rows of a text
+  std::vector<MatValue> cells;     ///< of an array of cells or structures, first dimension fastest
+  MatFields fields;                ///< of one structure
   std::string class_name = "double";  ///< MATLAB's name of the class, for messages
 
   [[nodiscard]] Eigen::Index size() const;  ///< product of the dims

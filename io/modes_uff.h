@@ -24,6 +24,9 @@ struct UffModes {
   /// m: true where the shape is mass-normalised [kg^-1/2] (a complex one: in the scale of
   /// identification::ComplexShapes); false: its scale is not known.
   std::vector<bool> has_scale;
+  /// n×m: false where the motion of a node is not known: the mode has no record of it, and a mode
+  /// of no known node has no dataset. Empty: all are known.
+  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> known;
 };
 
 /// The dataset of the shapes: 55 of test programs, or 2414 of finite-element programs.

@@ -20,6 +20,7 @@ struct TimeOptions {
   Eigen::Index period = 0;     ///< [samples] of a periodic excitation; 0: as in the file
   std::string unit;            ///< of the outputs where the file states none: "mm", "g", kEachInSi
   std::size_t limit_bytes = reading_limit();  ///< of memory for what the file holds
+  bool blows_in_pieces = false;               ///< what has no period is read in pieces too
 };
 
 struct TimeFile {
@@ -44,7 +45,8 @@ struct TimeFile {
 /// options has the side of this list. Else the prefix "in_", "out_" or "ref_" states the side and
 /// is removed. Else the name is an input if it is u, f, a, force, input or hammer, a reference if
 /// it is r, w or reference (each with or without digits), and otherwise an output. A unit in
-/// brackets behind a name is that of the column, "Time [ms]", "left [g]"; a force is an input.
+/// brackets behind a name is that of the column, "Time [ms]", "left [g]"; a force is an input, a
+/// motion such as "a1 [g]" none.
 [[nodiscard]] TimeFile parse_time_csv(std::string_view bytes, const std::string& name,
                                       const TimeOptions& options = {});
 
@@ -59,6 +61,11 @@ enum class Side { output, input, reference };
 /// The side of a channel with that name, by the lists of `options`, else by the rule above. The
 /// second entry is the name without a prefix.
 [[nodiscard]] std::pair<Side, std::string> side_of(std::string_view name,
+                                                   const TimeOptions& options);
+
+/// As that, where the unit of the channel is known: what neither a list nor a prefix gives a side
+/// is an input in a unit of force, and an output in a unit of motion.
+[[nodiscard]] std::pair<Side, std::string> side_of(std::string_view name, const std::string& unit,
                                                    const TimeOptions& options);
 
 }  // namespace chladni::io

@@ -12,8 +12,8 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/quantity.h"
 #include "io/frf_file.h"
+#include "io/measured_units.h"
 #include "io/time_file.h"
 #include "python/frf_arrays.h"
 #include "python/long_call.h"
@@ -44,29 +44,22 @@ modal::FrfKind kind_called(const std::string& quantity) {
                      "\" is not known; expected displacement, velocity or acceleration");
 }
 
-// How many `si` one `unit` is; none: it is of another kind.
-std::optional<double> factor_of(const std::string& unit, const char* si) {
-  try {
-    return unit_factor(unit, si);
-  } catch (const InvalidInput&) {
-    return std::nullopt;
-  }
-}
-
-// Arrays beside a unit of motion or force are in SI, and all that is done with them counts on it.
+// Arrays beside a unit of motion, force or response are in SI, and all that is done with them
+// counts on it.
 void require_si(const std::string& unit, modal::FrfKind kind) {
-  constexpr const char* all[] = {"m", "m/s", "m/s^2", "N"};
-  require(unit != "g",
-          "the unit \"g\" is not SI; give values in m/s^2, and quantity=\"acceleration\"");
-  for (std::size_t k = 0; k < std::size(all) && !unit.empty(); ++k) {
-    const auto factor = factor_of(unit, all[k]);
-    if (!factor) continue;
-    require(std::abs(*factor - 1.0) < 1e-12,
-            fmt::format("the unit \"{}\" is not SI; give values in {}", unit, all[k]));
-    require(k == 3 || k == static_cast<std::size_t>(kind),
-            fmt::format("the unit \"{}\" is none of a {}; expected quantity=\"{}\"", unit,
-                        quantity_of(kind), kQuantities[k % 3]));
-  }
+  const auto require_one = [&](double factor, const std::string& si, const std::string& more) {
+    require(std::abs(factor - 1.0) < 1e-12,
+            fmt::format("the unit \"{}\" is not SI; give values in {}{}", unit, si, more));
+  };
+  const auto response = io::response_per_newton(unit);
+  const auto motion = response ? response : io::motion_unit(io::bare_unit(unit));
+  if (!motion) return require_one(io::force_unit(unit).value_or(1.0), "N", "");
+  const auto stated = motion->kind.value_or(kind);
+  const std::string quantity = quantity_of(stated);
+  require_one(motion->factor, motion->si + (response ? "/N" : ""),
+              fmt::format(", and quantity=\"{}\"", quantity));
+  require(stated == kind, fmt::format("the unit \"{}\" is none of a {}; expected quantity=\"{}\"",
+                                      unit, quantity_of(kind), quantity));
 }
 
 MeasuredChannel channel_with(const std::string& name, const std::string& quantity,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "modal/frf_set.h"
+#include "recordings/recordings.h"
 #include "recordings/time_data.h"
 
 namespace chladni::recordings {
@@ -35,6 +36,12 @@ struct HammerEstimate {
 /// @throws InvalidInput  no output or no input, records of unequal length, an input without a hit
 ///                       or of no force, the band without lines
 [[nodiscard]] HammerEstimate hammer_estimate(const TimeData& data,
+                                             const HammerOptions& options = {});
+
+/// As that of recordings in memory, with the same bits, of such that may be larger than it.
+/// Memory: the samples of one record and its spectra, and sums on all lines.
+/// @throws InvalidInput  as that, or there is no record
+[[nodiscard]] HammerEstimate hammer_estimate(const Recordings& recordings,
                                              const HammerOptions& options = {});
 
 /// Removes the window's decay from poles [rad/s] that were fitted to windowed responses.

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "io/bytes/escape.h"
+#include "io/measured/column_head.h"
 #include "io/measured/measurable.h"
 #include "io/scan.h"
 
@@ -89,6 +90,27 @@ void read_header(std::string_view line, char separator, int number, CsvTable& ta
   }
 }
 
+// Takes a line as that of the units. @return false: it is one of numbers, or nothing at all
+bool take_units(std::string_view line, char separator, int number, CsvTable& table) {
+  std::vector<std::string> fields;
+  try {
+    fields = csv_fields(utf8_of(line), separator);
+  } catch (const InvalidInput&) {
+    return false;
+  }
+  const auto is_other = [](const std::string& field) {  // "1,5", "nan"
+    const auto digit = field.find_first_not_of("+-.");
+    const bool is_number = digit != std::string::npos && field[digit] >= '0' && field[digit] <= '9';
+    return (is_number && field != "1" && !field.starts_with("1/")) ||
+           upper(field).starts_with("NAN");
+  };
+  if (fields.size() != table.names.size() || std::ranges::any_of(fields, is_other)) return false;
+  if (std::ranges::none_of(fields, &is_unit_of_column)) return false;
+  table.units = std::move(fields);
+  table.units_line = number;
+  return true;
+}
+
 // The largest possible count of numbers. A field takes at least one byte, its separator or the line
 // end.
 std::size_t number_count(std::string_view bytes, const CsvTable& table, std::size_t limit) {
@@ -152,7 +174,8 @@ CsvTable csv_table(std::string_view bytes, const std::string& file, std::size_t 
       separator = csv_separator(line);
       read_header(line, separator, number, table);
       rows.reserve(number_count(bytes, table, limit));
-    } else {
+    } else if (!table.line.empty() || table.units_line > 0 ||
+               !take_units(line, separator, number, table)) {
       read_row(line, separator, number, table, rows);
       table.line.push_back(number);
     }
@@ -171,9 +194,20 @@ CsvRows::CsvRows(const std::filesystem::path& file) : in_(file) {
     if (is_idle(*next)) continue;
     separator_ = csv_separator(*next);
     read_header(*next, separator_, number_, head_);
+    read_units();
     return;
   }
   throw InvalidInput(head_.file + ": no lines; expected a first line of names");
+}
+
+void CsvRows::read_units() {
+  while (const auto next = line()) {
+    if (is_idle(*next)) continue;
+    if (take_units(*next, separator_, number_, head_)) return;
+    at_ = start_;  // the line is read again
+    --number_;
+    return;
+  }
 }
 
 bool CsvRows::next(std::vector<double>& numbers, std::vector<int>& lines) {
@@ -209,6 +243,7 @@ std::optional<std::string_view> CsvRows::line() {
   if (at_ >= text_.size()) return std::nullopt;
   const auto stop = std::min(end, text_.size());
   auto line = std::string_view(text_).substr(at_, stop - at_);
+  start_ = at_;
   at_ = std::min(stop + 1, text_.size());
   ++number_;
   if (line.ends_with('\r')) line.remove_suffix(1);

@@ -18,6 +18,8 @@ struct CsvTable {
   std::string file;                ///< its name, for messages
   std::vector<std::string> names;  ///< c, each once
   int header_line = 0;             ///< line of the file with the names, counted from 1
+  std::vector<std::string> units;  ///< c, of the line below the names; none: it holds numbers
+  int units_line = 0;              ///< line of the file with the units
   std::vector<int> line;           ///< r: line of the file of each row
   Eigen::MatrixXd values;          ///< r×c; NaN where a field is empty or says nan
 
@@ -35,8 +37,9 @@ struct CsvTable {
 [[nodiscard]] std::vector<std::string> csv_fields(std::string_view line, char separator = ',');
 
 /// Reads numbers with a decimal point, separated by commas (or by semicolons or tabs where the
-/// first line has no comma). Lines end with LF or CR LF. Empty lines and lines that begin with #
-/// are skipped. At most 10 000 columns; numbers are limited to kLargestMeasured. Cost: linear;
+/// first line has no comma). The line below the names may hold units, "Hz,g/N,g/N": no number but a
+/// 1, and one unit that is known. Lines end with LF or CR LF. Empty lines and lines that begin with
+/// # are skipped. At most 10 000 columns; numbers are limited to kLargestMeasured. Cost: linear;
 /// memory 16 bytes per number.
 /// @param file  its name, for messages
 /// @param limit  of the memory for the numbers [bytes]
@@ -52,7 +55,7 @@ class CsvRows {
   /// @throws InvalidInput  the file cannot be read; the line of the names as csv_table
   explicit CsvRows(const std::filesystem::path& file);
 
-  /// File, names and line of the names, without rows.
+  /// File, names, units and their lines, without rows.
   [[nodiscard]] const CsvTable& head() const { return head_; }
   /// Appends the numbers of the next row, and its line of the file; false at the end.
   /// @throws InvalidInput  as csv_table; a line of more than 16 MB
@@ -60,12 +63,14 @@ class CsvRows {
 
  private:
   std::optional<std::string_view> line();
+  void read_units();
 
   UnpackedFile in_;
   bool is_read_ = false;  ///< nothing is left in the file
   std::string text_;      ///< what was read and not yet used, from at_ on
   std::size_t at_ = 0;
-  int number_ = 0;  ///< of the last line
+  std::size_t start_ = 0;  ///< of the last line in text_
+  int number_ = 0;         ///< of the last line
   char separator_ = ',';
   CsvTable head_;
 };

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 #include <string_view>
 
 #include "base/error.h"
@@ -135,9 +136,9 @@ static inline void chladni_step(chladni_model* m, const double u[CHLADNI_INPUTS]
 )";
 
 constexpr const char* kDisplacement = R"(
-/* C(rho) x: the displacement [m] of the model's state at a place whose mass-normalised shape values
-   are phi [kg^-1/2], one for each mode (mode_field.csv, mode_field_polynomial.json). Delays of
-   outputs and the flexibility of omitted modes are not in it. */
+/* C(rho) x: the displacement of the model's state, [m] where all is in SI, at a place whose
+   mass-normalised shape values are phi [kg^-1/2], one for each mode. Delays of outputs and the flexibility of omitted modes are
+   not in it. */
 static inline double chladni_displacement_at(const chladni_model* m,
                                              const double phi[CHLADNI_MODES]) {
   double sum = 0.0;
@@ -145,6 +146,23 @@ static inline double chladni_displacement_at(const chladni_model* m,
   return sum;
 }
 )";
+
+// The modes that phi has values of. A mode at 0 Hz has another name of its position state.
+std::string modes_of_phi(const modal::ControlModel& model, const std::vector<double>& position) {
+  std::string text = "/* phi has a value for each of these modes:";
+  for (std::size_t k = 0; k < position.size(); ++k) {
+    require(2 * k < model.states.size(), "C header: fewer states than two for each mode");
+    const bool above = model.states[2 * k].name.ends_with("omega_position");
+    text +=
+        fmt::format("\n   {}  {:.6g} Hz", k, above ? 0.5 / (std::numbers::pi * position[k]) : 0.0);
+  }
+  return text +
+         "\n   Fields between the sensors (mode_field.csv, mode_field_polynomial.json) have the "
+         "modes of\n"
+         "   those frequencies in interpolation.json: none at 0 Hz, and none whose scale is not "
+         "known.\n"
+         "   spatio_temporal.json has all modes. */\n";
+}
 
 }  // namespace
 
@@ -174,7 +192,8 @@ std::string control_model_c(const modal::ControlModel& model, const CHeaderText&
             sparse("chladni_c", space.c) + sparse("chladni_d", space.d) + kFunctions;
   if (!text.position.empty()) {
     header += fmt::format("\nenum {{ CHLADNI_MODES = {} }};\n", text.position.size());
-    header += array("double", "chladni_position", text.position) + kDisplacement;
+    header += modes_of_phi(model, text.position) +
+              array("double", "chladni_position", text.position) + kDisplacement;
   }
   return renamed(header + "\n#endif\n", text.prefix);
 }

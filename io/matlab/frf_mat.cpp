@@ -7,11 +7,13 @@
 #include <functional>
 #include <map>
 #include <numbers>
+#include <set>
 #include <string>
 
 #include "base/error.h"
 #include "io/matlab/mat_channels.h"
 #include "io/matlab/mat_names.h"
+#include "io/matlab/testlab_mat.h"
 #include "io/measured/frf_units.h"
 #include "io/measured/measurable.h"
 #include "io/scan.h"
@@ -68,23 +70,18 @@ class Reader {
 
   void read() {
     read_frequencies();
-    const auto* response = mat_value(fields_, {"H", "G", "frf", "ResponseData"});
+    const auto* response = find({"H", "G", "frf", "ResponseData"});
     require(response != nullptr, "there are no responses; expected a variable H, G or frf" + had());
     require(response->kind == MatValue::Kind::number,
             "the responses are a " + response->class_name + ", expected numbers");
-    output_names_ = mat_texts(mat_value(fields_, {"output_names", "OutputName", "sensor_names",
-                                                  "sensors", "outputs", "y_names"}),
-                              "output_names");
-    input_names_ = mat_texts(mat_value(fields_, {"input_names", "InputName", "actuator_names",
-                                                 "actuators", "inputs", "u_names"}),
-                             "input_names");
+    read_names();
     const Layout layout = layout_of(*response);
     require_channels(layout.outputs, "outputs");
     require_channels(layout.inputs, "inputs");
     make_channels(layout);
     int parts = 0;
     for (const auto* part : {"variance", "var", "noise_variance", "noisevar", "coherence", "coh"}) {
-      parts += mat_value(fields_, {part}) != nullptr ? 1 : 0;
+      parts += mat_value(fields_, {part}) != nullptr ? 1 : 0;  // what is read in the end
     }
     require_room(file_.set, layout.lines, parts, options_.limit_bytes);
     require(response->imag.size() > 0,
@@ -103,12 +100,40 @@ class Reader {
     read_beside({"noise_variance", "noisevar"}, *response, layout, file_.set.noise_variance);
     read_beside({"coherence", "coh"}, *response, layout, file_.set.coherence);
     for (auto& line : file_.set.coherence) line = line.unaryExpr(&rounded_coherence);
-    const auto averages = mat_numbers(mat_value(fields_, {"averages"}), "averages");
-    if (averages.size() == 1) file_.set.averages = averages(0);
+    file_.set.averages = mat_number(find({"averages"}), "averages").value_or(0.0);
     note_delays();
+    note_rest();
   }
 
  private:
+  // As mat_value; what is found counts as read.
+  const MatValue* find(std::initializer_list<std::string_view> names) {
+    const auto* value = mat_value(fields_, names);
+    if (value != nullptr) found_.insert(value);
+    return value;
+  }
+
+  void read_names() {
+    output_names_ = mat_texts(
+        find({"output_names", "OutputName", "sensor_names", "sensors", "outputs", "y_names"}),
+        "output_names");
+    input_names_ = mat_texts(
+        find({"input_names", "InputName", "actuator_names", "actuators", "inputs", "u_names"}),
+        "input_names");
+  }
+
+  // Notes the variables that are not read.
+  void note_rest() {
+    std::set<std::string> others{
+        "output_unit", "OutputUnit", "output_node", "output_direction", "output_position",
+        "input_unit",  "InputUnit",  "input_node",  "input_direction",  "input_position",
+        "kind",        "InputDelay", "OutputDelay", "IODelay"};
+    if (is_frd_)
+      others.insert(
+          {"InputGroup", "OutputGroup", "Ts", "Notes", "UserData", "Name", "SamplingGrid"});
+    note_unread(fields_, found_, others, file_.notes);
+  }
+
   [[nodiscard]] std::string had() const {
     std::string names;
     for (const auto& [name, value] : fields_) names += (names.empty() ? "" : ", ") + name;
@@ -116,23 +141,28 @@ class Reader {
   }
 
   void read_frequencies() {
-    bool per_second = false;
-    const auto* value = mat_value(
-        fields_, {"freq_hz", "frequency_hz", "f_hz", "freqHz", "frequency", "freq", "f", "freqs"});
-    if (value == nullptr) {
-      value = mat_value(fields_, {"omega", "w"});
-      per_second = value != nullptr;
-    }
+    const auto* value = find({"freq_hz", "frequency_hz", "f_hz", "freqHz", "frequency", "freq", "f",
+                              "freqs", "omega", "w"});
+    bool per_second = value != nullptr && value == mat_value(fields_, {"omega", "w"});
     require(value != nullptr, "there are no frequencies; expected a variable freq_hz" + had());
     file_.set.frequency_hz = mat_numbers(value, "the frequencies");
-    const auto unit = mat_texts(
-        mat_value(fields_, {"FrequencyUnit", "frequency_unit", "FreqUnit", "freq_unit", "f_unit"}),
-        "FrequencyUnit");
-    if (mat_value(fields_, {"ResponseData"}) != nullptr) per_second = true;  // MATLAB's default
-    const auto time = mat_texts(mat_value(fields_, {"TimeUnit"}), "TimeUnit");
-    file_.set.frequency_hz *= unit.empty() || unit.front().empty()
-                                  ? (per_second ? 1.0 / (2.0 * std::numbers::pi) : 1.0)
-                                  : hz_of(unit.front(), time.empty() ? "" : time.front());
+    is_frd_ = mat_value(fields_, {"ResponseData"}) != nullptr;
+    if (is_frd_) per_second = true;  // MATLAB's default
+    const auto* stated =
+        find({"FrequencyUnit", "frequency_unit", "FreqUnit", "freq_unit", "f_unit"});
+    if (stated == nullptr && is_frd_) stated = find({"Units"});  // frd objects before R2012a
+    const auto unit = mat_texts(stated, "FrequencyUnit");
+    const auto time = mat_texts(find({"TimeUnit"}), "TimeUnit");
+    const bool is_stated = !unit.empty() && !unit.front().empty();
+    const double hertz = is_stated    ? hz_of(unit.front(), time.empty() ? "" : time.front())
+                            : per_second ? 1.0 / (2.0 * std::numbers::pi)
+                                      : 1.0;
+    const bool is_in_hertz =
+        value == mat_value(fields_, {"freq_hz", "frequency_hz", "f_hz", "freqHz"});
+    require(!is_stated || !is_in_hertz || hertz == 1.0,
+            "the frequencies are in Hz by their name and in " +
+                shown(is_stated ? unit.front() : "") + " by their unit");
+    file_.set.frequency_hz *= hertz;
     const auto& f = file_.set.frequency_hz;
     require(f.size() > 0, "there are no frequencies: the vector is empty");
     for (Index k = 0; k < f.size(); ++k) {
@@ -206,8 +236,8 @@ class Reader {
   }
 
   void read_beside(std::initializer_list<std::string_view> names, const MatValue& response,
-                   const Layout& layout, std::vector<Eigen::MatrixXd>& of) const {
-    const auto* value = mat_value(fields_, names);
+                   const Layout& layout, std::vector<Eigen::MatrixXd>& of) {
+    const auto* value = find(names);
     if (value == nullptr) return;
     const std::string what(*names.begin());
     const auto numbers = mat_numbers(value, what);
@@ -247,6 +277,7 @@ class Reader {
     make(file_.set.inputs, layout.inputs, input_names_, options_.actuator_names, "u");
     describe_channels(fields_, "output", file_.set.outputs);
     describe_channels(fields_, "input", file_.set.inputs);
+    if (!is_frd_ && state_one_unit(fields_, file_.set.outputs)) find({"unit", "units"});
     const auto stated = read_kinds(fields_, file_.set.outputs);
     kinds_known_ = !stated.empty() && std::ranges::all_of(stated, std::identity());
     require(kinds_known_ || std::ranges::none_of(stated, std::identity()),
@@ -273,28 +304,33 @@ class Reader {
   const FrfOptions& options_;
   FrfFile& file_;
   std::vector<std::string> output_names_, input_names_;
-  bool kinds_known_ = false;
+  std::set<const MatValue*> found_;
+  bool kinds_known_ = false, is_frd_ = false;
 };
 
 bool has_responses(const MatFields& fields) {
-  return mat_value(fields, {"H", "G", "frf", "ResponseData"}) != nullptr &&
-         mat_value(fields, {"freq_hz", "frequency_hz", "f_hz", "freqHz", "frequency", "freq", "f",
-                            "freqs", "omega", "w"}) != nullptr;
+  return has_numbers(mat_value(fields, {"H", "G", "frf", "ResponseData"})) &&
+         has_numbers(mat_value(fields, {"freq_hz", "frequency_hz", "f_hz", "freqHz", "frequency",
+                                        "freq", "f", "freqs", "omega", "w"}));
 }
 
-// The variables of the file, or the fields of the one structure with responses.
-const MatFields& scope_of(const MatFile& file) {
+// The variables of the file, or the fields of the one structure with responses. Notes the
+// variables beside that structure.
+const MatFields& scope_of(const MatFile& file, std::vector<std::string>& notes) {
   if (has_responses(file.variables)) return file.variables;
-  const MatFields* found = nullptr;
+  const MatValue* found = nullptr;
   std::string name;
   for (const auto& [variable, value] : file.variables) {
     if (value.kind != MatValue::Kind::structure || !has_responses(value.fields)) continue;
     require(found == nullptr, "both " + name + " and " + variable +
                                   " hold responses; expected one structure of them");
-    found = &value.fields;
+    found = &value;
     name = variable;
   }
-  if (found != nullptr) return *found;
+  if (found != nullptr) {
+    note_unread(file.variables, {found}, {}, notes);
+    return found->fields;
+  }
   for (const auto& [variable, value] : file.variables) {
     require(value.kind != MatValue::Kind::other,
             "the variable " + variable + " is of class " + value.class_name +
@@ -303,19 +339,33 @@ const MatFields& scope_of(const MatFile& file) {
   return file.variables;
 }
 
+// Reads the responses from variables.
+void read_fields(const MatFields& fields, const FrfOptions& options, FrfFile& file) {
+  Reader reader(fields, options, file);
+  reader.read();
+  bring_to_si(file, reader.kinds_known());
+  for (const auto& output : file.set.outputs) note_unknown_output(output, file.notes);
+  state_units(file, reader.kinds_known(), options);
+  modal::check(file.set);
+}
+
 }  // namespace
 
 FrfFile frf_of_mat(const MatFile& file, const std::string& name, const FrfOptions& options) {
   FrfFile result{.format = file.format, .set = {}, .notes = file.notes};
   try {
-    if (!has_responses(scope_of(file)) && mat_value(file.variables, {"y", "u"}) != nullptr) {
+    const bool is_testlab = has_testlab_functions(file.variables);
+    const auto& fields = is_testlab ? file.variables : scope_of(file, result.notes);
+    if (is_testlab && !has_responses(fields)) {
+      const auto functions = testlab_responses(fields, options, result.notes);
+      if (!functions) throw NoResponses(name + ": functions, but no frequency responses");
+      read_fields(*functions, options, result);
+      return result;
+    }
+    if (!has_responses(fields) && mat_value(file.variables, {"y", "u"}) != nullptr) {
       throw NoResponses(name + ": recordings (y, u), no frequency responses");
     }
-    Reader reader(scope_of(file), options, result);
-    reader.read();
-    bring_to_si(result, reader.kinds_known());
-    state_units(result, reader.kinds_known(), options);
-    modal::check(result.set);
+    read_fields(fields, options, result);
   } catch (const NoResponses&) {
     throw;
   } catch (const InvalidInput& e) {

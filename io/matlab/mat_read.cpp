@@ -9,6 +9,7 @@
 #include "host/worker.h"
 #include "io/bytes/message.h"
 #include "io/mat.h"
+#include "io/matlab/mat_parts.h"
 
 namespace chladni::io {
 namespace {
@@ -42,7 +43,9 @@ void require_size(const MatValue& value) {
                                        fmt::to_string(value.size()) + " elements, and sends " +
                                        fmt::to_string(count));
   };
-  if (value.kind == MatValue::Kind::cell) fits(std::ssize(value.cells));
+  if (value.kind == MatValue::Kind::cell || value.kind == MatValue::Kind::structures) {
+    fits(std::ssize(value.cells));
+  }
   if (value.kind != MatValue::Kind::number) return;
   fits(value.real.size());
   if (value.imag.size() > 0) fits(value.imag.size());
@@ -57,11 +60,13 @@ MatValue value_of(const Message& found, const Json& json) {
     value.kind = MatValue::Kind::number;
     value.real = numbers(found, json, "real");
     value.imag = numbers(found, json, "imag");
+  } else if (kind == "large") {
+    value.kind = MatValue::Kind::large;
   } else if (kind == "text") {
     value.kind = MatValue::Kind::text;
     for (const auto& row : json.at("rows").array()) value.text.push_back(row.string());
-  } else if (kind == "cell") {
-    value.kind = MatValue::Kind::cell;
+  } else if (kind == "cell" || kind == "structures") {
+    value.kind = kind == "cell" ? MatValue::Kind::cell : MatValue::Kind::structures;
     for (const auto& cell : json.at("cells").array()) value.cells.push_back(value_of(found, cell));
   } else if (kind == "structure") {
     value.kind = MatValue::Kind::structure;
@@ -92,16 +97,17 @@ WorkerLimits limits(const std::filesystem::path& file, std::size_t limit_bytes) 
           .files = {file}};
 }
 
-}  // namespace
-
-MatFile read_mat(const std::filesystem::path& file, std::size_t limit_bytes) {
+// Asks the worker, and reads its reply. @param arguments  after the name of the file
+template <class Read>
+auto answer_of(const std::filesystem::path& file, std::vector<std::string> arguments,
+               std::size_t limit_bytes, Read read) {
   require(std::filesystem::is_regular_file(file),
           file.string() + ": there is no such file, or it is not a regular one");
   const std::filesystem::path worker = worker_path("chladni-mat");
+  arguments.insert(arguments.begin(), file.string());
   try {
-    const std::vector<std::string> arguments{file.string(), fmt::to_string(limit_bytes)};
     const auto result = run_worker(worker, arguments, "", limits(file, limit_bytes));
-    return reply_of(worker, [&] { return file_of(message(result.output)); });
+    return reply_of(worker, [&] { return read(message(result.output)); });
   } catch (const UnusableReply&) {
     throw;
   } catch (const ForbiddenCall& call) {
@@ -111,6 +117,37 @@ MatFile read_mat(const std::filesystem::path& file, std::size_t limit_bytes) {
   } catch (const InvalidInput& error) {
     throw InvalidInput(file.string() + ": " + error.what());
   }
+}
+
+}  // namespace
+
+MatFile read_mat(const std::filesystem::path& file, std::size_t limit_bytes) {
+  return answer_of(file, {fmt::to_string(limit_bytes)}, limit_bytes, &file_of);
+}
+
+MatFile read_mat_heads(const std::filesystem::path& file, std::size_t limit_bytes,
+                       std::size_t large_bytes) {
+  return answer_of(file, {fmt::to_string(limit_bytes), fmt::to_string(large_bytes)}, limit_bytes,
+                   &file_of);
+}
+
+Eigen::VectorXd read_mat_part(const std::filesystem::path& file, const std::string& variable,
+                              const std::vector<Eigen::Index>& start,
+                              const std::vector<Eigen::Index>& count) {
+  Eigen::Index numbers_in_all = 1;
+  for (const auto n : count) numbers_in_all *= n;
+  const auto bytes = sizeof(double) * static_cast<std::size_t>(numbers_in_all);
+  std::vector<std::string> arguments{fmt::to_string(bytes), "part", variable};
+  for (std::size_t d = 0; d < start.size(); ++d) {
+    arguments.push_back(fmt::to_string(start[d]));
+    arguments.push_back(fmt::to_string(count[d]));
+  }
+  return answer_of(file, arguments, bytes, [&](const Message& found) -> Eigen::VectorXd {
+    Eigen::VectorXd part = numbers(found, found.head, "real");
+    require(part.size() == numbers_in_all, "its reader sends " + fmt::to_string(part.size()) +
+                                               " numbers of " + fmt::to_string(numbers_in_all));
+    return part;
+  });
 }
 
 }  // namespace chladni::io

@@ -1,19 +1,20 @@
 // The program chladni-mat reads the .mat file named on its command line with libmatio, checks every
-// size before it reads the data, and writes the variables to stdout. A crash of it does no harm.
+// size before it reads the data, and writes the variables to stdout, or a part of one of them. A
+// crash of it does no harm.
 #include <matio.h>
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <exception>
-#include <fstream>
 #include <iostream>
+#include <limits>
 #include <memory>
 
 #include "base/error.h"
 #include "io/bytes/message.h"
+#include "io/matlab/mat_worker_checks.h"
 
 namespace {
 
@@ -22,11 +23,13 @@ using chladni::io::Json;
 using chladni::io::JsonArray;
 using chladni::io::JsonObject;
 using chladni::io::Message;
+using chladni::mat_worker::place_of;
+using chladni::mat_worker::require_whole;
 
 constexpr int kDeepest = 16;
 constexpr std::size_t kMostElements = 100'000;  // cells and fields
 
-std::string first_error;
+std::string first_error;  // of libmatio
 
 void keep_error(int level, char* words) {
   if ((level & (MATIO_LOG_LEVEL_ERROR | (MATIO_LOG_LEVEL_CRITICAL))) != 0 && first_error.empty()) {
@@ -34,6 +37,7 @@ void keep_error(int level, char* words) {
   }
 }
 
+// MATLAB's name of the class.
 const char* class_name(const matvar_t& variable) {
   constexpr const char* names[] = {"empty",  "cell",   "struct", "object", "char",     "sparse",
                                    "double", "single", "int8",   "uint8",  "int16",    "uint16",
@@ -42,6 +46,7 @@ const char* class_name(const matvar_t& variable) {
   return variable.isLogical != 0 ? "logical" : index < std::size(names) ? names[index] : "unknown";
 }
 
+// The number of elements. It refuses more than the limit, before anything is allocated.
 std::size_t element_count(const matvar_t& variable, std::size_t limit) {
   double count = 1.0;
   require(
@@ -55,44 +60,24 @@ std::size_t element_count(const matvar_t& variable, std::size_t limit) {
   return static_cast<std::size_t>(count);
 }
 
-// Refuses truncated files, which libmatio reads as files with fewer variables. In a version 5 file
-// the lengths of the variables must end where the file ends.
-void require_whole(const char* name) {
-  std::ifstream file(name, std::ios::binary);
-  std::array<char, 128> head{};
-  file.read(head.data(), 128);
-  const std::string_view mark(head.data() + 126, 2);
-  if (!file || (mark != "IM" && mark != "MI")) return;  // of another version
-  const bool is_hdf5 = head[125] == 2 || head[124] == 2;
-  if (is_hdf5) return;
-  const bool swapped = (mark == "MI") == (std::endian::native == std::endian::little);
-  file.seekg(0, std::ios::end);
-  const auto end = static_cast<std::uint64_t>(file.tellg());
-  for (std::uint64_t at = 128; at < end;) {
-    std::array<unsigned char, 8> tag{};
-    file.seekg(static_cast<std::streamoff>(at));
-    file.read(reinterpret_cast<char*>(tag.data()), 8);
-    if (swapped) std::reverse(tag.begin() + 4, tag.end());
-    std::uint32_t size = 0;
-    std::memcpy(&size, tag.data() + 4, 4);
-    require(file && size <= end - at - 8, "the file is cut off");
-    at += 8 + size;
-  }
-}
-
 class Reader {
  public:
   explicit Reader(std::size_t limit_bytes) : limit_(limit_bytes) {}
 
-  Message read(const char* file) {
-    const std::unique_ptr<mat_t, int (*)(mat_t*)> mat(Mat_Open(file, MAT_ACC_RDONLY), Mat_Close);
-    require(mat != nullptr,
-            "it does not begin as a .mat file" + (first_error.empty() ? "" : ": " + first_error));
-    require_whole(file);
+  // @param large_bytes  of real variables that are left in the file
+  Message read(const char* file, double large_bytes) {
+    const auto mat = opened(file);
     JsonArray variables;
     while (matvar_t* next = Mat_VarReadNextInfo(mat.get())) {
       const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(next, Mat_VarFree);
       const std::string name = next->name != nullptr ? next->name : "";
+      if (is_left(*next, large_bytes)) {
+        variables.emplace_back(JsonObject{
+            {"name", name},
+            {"value",
+             JsonObject{{"class", class_name(*next)}, {"dims", dims(*next)}, {"kind", "large"}}}});
+        continue;
+      }
       static_cast<void>(element_count(*next, limit_ / 8));
       if (Mat_VarReadDataAll(mat.get(), next) != 0 || !first_error.empty()) {
         throw chladni::InvalidInput("the variable " + name + " is damaged" +
@@ -111,7 +96,57 @@ class Reader {
     return std::move(message_);
   }
 
+  // @param places  a start and a count for each dimension
+  Message read_part(const char* file, const char* name, const std::vector<int>& places) {
+    const auto mat = opened(file);
+    const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(Mat_VarReadInfo(mat.get(), name),
+                                                                  Mat_VarFree);
+    require(variable != nullptr, std::string("there is no variable ") + name);
+    const auto rank = static_cast<std::size_t>(variable->rank);
+    const Put store = putter(variable->class_type);
+    require(store != nullptr && variable->isComplex == 0 && places.size() == 2 * rank,
+            std::string("the variable ") + name + " has no such part");
+    std::vector<int> start(rank), count(rank), stride(rank, 1);
+    double numbers = 1.0;
+    for (std::size_t d = 0; d < rank; ++d) {
+      start[d] = places[2 * d];
+      count[d] = places[2 * d + 1];
+      numbers *= count[d];
+      const auto end = static_cast<std::size_t>(start[d]) + static_cast<std::size_t>(count[d]);
+      require(start[d] >= 0 && count[d] > 0 && end <= variable->dims[d],
+              std::string("the variable ") + name + " has no such part");
+    }
+    require(8.0 * numbers <= static_cast<double>(limit_), "a part that is larger than the limit");
+    const auto size = static_cast<std::size_t>(numbers);
+    std::vector<double> room(size);  // no class of numbers is wider
+    if (Mat_VarReadData(mat.get(), variable.get(), room.data(), start.data(), stride.data(),
+                        count.data()) != 0 ||
+        !first_error.empty()) {
+      throw chladni::InvalidInput(std::string("the variable ") + name + " is damaged" +
+                                  (first_error.empty() ? "" : ": " + first_error));
+    }
+    message_.head = JsonObject{{"real", (this->*store)(room.data(), size)}};
+    return std::move(message_);
+  }
+
  private:
+  using File = std::unique_ptr<mat_t, int (*)(mat_t*)>;
+
+  static File opened(const char* file) {
+    File mat(Mat_Open(file, MAT_ACC_RDONLY), Mat_Close);
+    require(mat != nullptr,
+            "it does not begin as a .mat file" + (first_error.empty() ? "" : ": " + first_error));
+    require_whole(file);
+    return mat;
+  }
+
+  static bool is_left(const matvar_t& variable, double large_bytes) {
+    if (putter(variable.class_type) == nullptr || variable.isComplex != 0) return false;
+    double bytes = 8.0;
+    for (int d = 0; d < variable.rank; ++d) bytes *= static_cast<double>(variable.dims[d]);
+    return bytes > large_bytes;
+  }
+
   Json value(const matvar_t& variable, int depth) {
     require(depth < kDeepest, "cells and structures more than 16 deep");
     JsonObject result{{"class", class_name(variable)}, {"dims", dims(variable)}};
@@ -164,23 +199,58 @@ class Reader {
                       {"imag", ""}};
   }
 
-  void add_fields(const matvar_t& variable, std::size_t count, int depth, JsonObject& result) {
+  // The fields of the structure at `index` of an array of them.
+  JsonArray fields(const matvar_t& variable, std::size_t index, int depth) {
     const unsigned names = Mat_VarGetNumberOfFields(const_cast<matvar_t*>(&variable));
     char* const* name = Mat_VarGetStructFieldnames(&variable);
-    if (count != 1 || name == nullptr) {
+    auto* const* data = static_cast<matvar_t* const*>(variable.data);
+    JsonArray found;
+    for (unsigned f = 0; f < names && data != nullptr; ++f) {
+      count_element();
+      const auto* field = data[index * names + f];
+      found.emplace_back(JsonObject{
+          {"name", name[f]}, {"value", field != nullptr ? value(*field, depth + 1) : nothing()}});
+    }
+    return found;
+  }
+
+  void add_fields(const matvar_t& variable, std::size_t count, int depth, JsonObject& result) {
+    if (Mat_VarGetStructFieldnames(&variable) == nullptr) {
       result.emplace_back("kind", "other");
       return;
     }
-    JsonArray fields;
-    auto* const* data = static_cast<matvar_t* const*>(variable.data);
-    for (unsigned f = 0; f < names && data != nullptr; ++f) {
-      count_element();
-      fields.emplace_back(
-          JsonObject{{"name", name[f]},
-                     {"value", data[f] != nullptr ? value(*data[f], depth + 1) : nothing()}});
+    if (count == 1) {
+      result.emplace_back("kind", "structure");
+      result.emplace_back("fields", fields(variable, 0, depth));
+      return;
     }
-    result.emplace_back("kind", "structure");
-    result.emplace_back("fields", std::move(fields));
+    const auto elements = elements_, bytes = bytes_, arrays = message_.doubles.size();
+    try {
+      auto each = structures(variable, count, depth);
+      result.emplace_back("kind", "structures");
+      result.emplace_back("cells", std::move(each));
+    } catch (const chladni::InvalidInput&) {  // more than is read of it: it may matter to nobody
+      elements_ = elements;
+      bytes_ = bytes;
+      while (message_.doubles.size() > arrays) message_.doubles.erase(last_array());
+      result.emplace_back("kind", "other");
+    }
+  }
+
+  JsonArray structures(const matvar_t& variable, std::size_t count, int depth) {
+    JsonArray each;
+    for (std::size_t c = 0; c < count; ++c) {
+      count_element();
+      each.emplace_back(JsonObject{{"class", "struct"},
+                                   {"dims", JsonArray{1, 1}},
+                                   {"kind", "structure"},
+                                   {"fields", fields(variable, c, depth)}});
+    }
+    return each;
+  }
+
+  [[nodiscard]] std::string last_array() const {
+    return "a" + std::to_string(message_.doubles.size() - 1);
   }
 
   template <typename Number>
@@ -302,9 +372,17 @@ class Reader {
 
 int main(int argc, char** argv) {
   try {
-    require(argc == 3, "usage: chladni-mat FILE.mat LIMIT_BYTES");
+    const bool is_part = argc > 4 && argc % 2 == 1 && std::string_view(argv[3]) == "part";
+    require(argc == 3 || argc == 4 || is_part,
+            "usage: chladni-mat FILE.mat LIMIT_BYTES [LARGE_BYTES | part NAME START COUNT...]");
     Mat_LogInitFunc("chladni-mat", keep_error);
-    const std::string found = chladni::io::bytes(Reader(std::stoull(argv[2])).read(argv[1]));
+    Reader reader(std::stoull(argv[2]));
+    std::vector<int> places;
+    for (int a = 5; a < argc; ++a) places.push_back(place_of(argv[a]));
+    const double large = argc == 4 ? static_cast<double>(std::stoull(argv[3]))
+                                   : std::numeric_limits<double>::infinity();
+    const std::string found = chladni::io::bytes(
+        is_part ? reader.read_part(argv[1], argv[4], places) : reader.read(argv[1], large));
     std::cout.write(found.data(), static_cast<std::streamsize>(found.size()));
     return std::cout.flush() ? 0 : 1;
   } catch (const std::bad_alloc&) {

@@ -1,10 +1,13 @@
 #include "io/measured/column_head.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <initializer_list>
 #include <numbers>
 #include <string_view>
 
+#include "base/error.h"
 #include "io/measured/frf_units.h"
 #include "io/scan.h"
 
@@ -22,6 +25,27 @@ std::size_t opening_bracket(const std::string& text) {
     if (text[at] == open && --depth == 0) return at;
   }
   return std::string::npos;
+}
+
+// The unit in the line below the names; "1" where it says that there is no dimension.
+std::string unit_below(const CsvTable& table, std::size_t column) {
+  if (table.units.empty()) return "";
+  auto unit = bare_unit(table.units[column]);
+  return unit == "-" ? "1" : unit;
+}
+
+// The unit behind the name of a column, and below it. @param behind  empty: none
+std::string one_unit(const CsvTable& table, std::size_t column, const std::string& behind) {
+  const auto below = unit_below(table, column);
+  if (below.empty()) return behind;
+  const auto& whole = table.names[column];
+  const auto place = table.file + ": line " + fmt::to_string(table.units_line) + ": ";
+  require(behind.empty() || bare_unit(behind) == below,
+          place + "the unit below " + shown(whole) + " is " + shown(below));
+  require(below == "1" || is_measured_unit(below),
+          place + "the unit " + shown(below) + " of " + shown(whole) +
+              " is none that is known; expected one such as m/s^2, g, N or um/N");
+  return below;
 }
 
 // Whether a name is one of these, in letters of any size where it is a word.
@@ -44,8 +68,37 @@ std::pair<std::string, std::string> name_and_unit(const std::string& column) {
 
 std::pair<std::string, std::string> channel_and_unit(const std::string& column) {
   auto [name, unit] = name_and_unit(column);
+  unit = bare_unit(unit);
   if (unit.empty() || unit == "A" || unit == "in" || !is_measured_unit(unit)) return {column, ""};
   return {std::move(name), std::move(unit)};
+}
+
+std::pair<std::string, std::string> channel_and_unit(const CsvTable& table, std::size_t column) {
+  auto [name, unit] = channel_and_unit(table.names[column]);
+  return {std::move(name), one_unit(table, column, unit)};
+}
+
+std::string response_unit(const CsvTable& table, std::size_t column) {
+  auto behind = channel_and_unit(table.names[column]).second;
+  if (force_unit(behind)) behind.clear();  // the actuator "u [N]"
+  auto unit = one_unit(table, column, behind);
+  if (!force_unit(unit)) return unit;
+  throw InvalidInput(table.file + ": line " + fmt::to_string(table.units_line) + ": the unit " +
+                     shown(unit) + " of " + shown(table.names[column]) +
+                     " is of a force; expected that of a motion, or of a motion over a force");
+}
+
+std::string whole_head(const CsvTable& table, std::size_t column) {
+  const auto below = unit_below(table, column);
+  const auto& name = table.names[column];
+  const bool is_there = below.empty() || bare_unit(name_and_unit(name).second) == below;
+  return is_there ? name : name + " [" + below + "]";
+}
+
+bool is_unit_of_column(const std::string& word) {
+  const auto unit = bare_unit(word);
+  const auto is_of = [&](const char* si) { return factor_of(unit, si).has_value(); };
+  return is_measured_unit(unit) || is_of("Hz") || is_of("rad/s") || is_of("s");
 }
 
 std::optional<double> seconds_of_column(const std::string& column) {

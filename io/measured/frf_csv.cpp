@@ -81,7 +81,7 @@ class LayoutReader {
   Layout layout(std::vector<std::string>& notes) {
     std::vector<std::string> others;
     for (std::size_t c = 0; c < table_.names.size(); ++c) {
-      if (!take(table_.names[c], static_cast<Index>(c))) others.push_back(shown(table_.names[c]));
+      if (!take(c)) others.push_back(shown(table_.names[c]));
     }
     if (!others.empty()) {
       notes.push_back(std::string("the column") + (others.size() > 1 ? "s " : " ") +
@@ -106,14 +106,19 @@ class LayoutReader {
 
   // A column f may be a force beside a time.
   [[noreturn]] void refuse_no_responses() const {
-    const auto is_time = [](const auto& name) { return seconds_of_column(name).has_value(); };
     const std::string none = "there is no column of a response (re_y1u1)";
-    if (std::ranges::any_of(table_.names, is_time)) throw NoResponses(place() + none);
+    bool has_time = false;
+    for (std::size_t c = 0; c < table_.names.size(); ++c) {
+      has_time = has_time || seconds_of_column(whole_head(table_, c));
+    }
+    if (has_time) throw NoResponses(place() + none);
     fail(none);
   }
 
-  bool take(const std::string& whole, Index column) {
-    if (const auto hertz = hertz_of_column(whole)) {
+  bool take(std::size_t number) {
+    const auto& whole = table_.names[number];
+    const auto column = static_cast<Index>(number);
+    if (const auto hertz = hertz_of_column(whole_head(table_, number))) {
       if (layout_.frequency >= 0) fail("two columns of frequencies, " + shown(whole));
       layout_.frequency = column;
       layout_.hertz = *hertz;
@@ -121,6 +126,7 @@ class LayoutReader {
     }
     auto [name, unit] = channel_and_unit(whole);
     if (force_unit(unit)) std::tie(name, unit) = std::pair(whole, "");  // the actuator "u [N]"
+    column_ = number;
     unit_ = unit;
     if (name == kAverages) {
       if (layout_.averages >= 0) fail("two columns " + shown(name));
@@ -172,6 +178,7 @@ class LayoutReader {
     }
     at = column;
     if (part != kRe && part != kIm) return;
+    if (!table_.units.empty()) unit_ = response_unit(table_, column_);
     const auto [of_output, is_first] = layout_.unit_of.emplace(pair.first, unit_);
     if (of_output->second == unit_) return;
     fail("column " + shown(name) + " has another unit than others of " + pair.first);
@@ -190,7 +197,8 @@ class LayoutReader {
   const CsvTable& table_;
   const FrfOptions& options_;
   Layout layout_;
-  std::string unit_;  // of the column that is read
+  std::size_t column_ = 0;  // that is read
+  std::string unit_;        // of it
   std::map<ChannelPair, std::size_t> number_;
 };
 

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kStandardGravity = 9.80665;  // [m/s²], the unit of accelerometer calibrations
 constexpr std::array<const char*, 3> kMotion{"m", "m/s", "m/s^2"};
+constexpr std::size_t kLongestUnit = 64;  // letters; a longer word is none
 
 std::string unknown_unit(std::string_view word) {
   return "the unit \"" + std::string(word) +
@@ -26,40 +27,32 @@ std::string name_of(modal::FrfKind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 
+// Where the last stroke outside brackets stands; npos: there is none.
+std::size_t last_stroke(std::string_view unit) {
+  int depth = 0;
+  for (std::size_t at = unit.size(); at-- > 0;) {
+    if (unit[at] == ')' || unit[at] == ']') ++depth;
+    if (unit[at] == '(' || unit[at] == '[') --depth;
+    if (unit[at] == '/' && depth == 0) return at;
+  }
+  return std::string_view::npos;
+}
+
 /// A unit of responses, such as "g/N": the unit of the output, and the SI unit of the input.
 struct Stated {
   MotionUnit output;
   std::string input_si;
 };
 
-// Without the brackets around it: "[mm]", "(g)".
-std::string_view bare(std::string_view word) {
-  word = trimmed(word);
-  const bool bracketed = word.size() > 2 && ((word.front() == '[' && word.back() == ']') ||
-                                             (word.front() == '(' && word.back() == ')'));
-  const bool is_one = bracketed && word.find(word.back()) == word.size() - 1;  // not "(m)/(N)"
-  return is_one ? trimmed(word.substr(1, word.size() - 2)) : word;
-}
-
-// A motion over a force in one word: "um N^-1".
-std::optional<Stated> over_force(const std::string& word) {
-  constexpr std::array<const char*, 3> per_newton{"m/N", "m/(s N)", "m/(s^2 N)"};
-  for (std::size_t k = 0; k < per_newton.size(); ++k) {
-    if (const auto si = factor_of(word, per_newton[k])) {
-      return Stated{{kMotion[k], *si, static_cast<modal::FrfKind>(k)}, "N"};
-    }
-  }
-  return std::nullopt;
-}
-
 // The two units of a motion over a force in one word, "g/N".
 std::optional<std::pair<std::string, std::string>> ratio_of(std::string_view word) {
-  const auto unit = bare(word);
-  const auto stroke = unit.rfind('/');
-  if (stroke == std::string_view::npos || motion_unit(unit)) return std::nullopt;
-  const auto motion = bare(unit.substr(0, stroke)), force = bare(unit.substr(stroke + 1));
+  const auto unit = bare_unit(word);
+  const auto stroke = last_stroke(unit);
+  if (stroke == std::string::npos || motion_unit(unit)) return std::nullopt;
+  auto motion = bare_unit(std::string_view(unit).substr(0, stroke));
+  auto force = bare_unit(std::string_view(unit).substr(stroke + 1));
   if (!motion_unit(motion) || !force_unit(force)) return std::nullopt;
-  return std::pair(std::string(motion), std::string(force));
+  return std::pair(std::move(motion), std::move(force));
 }
 
 // Whether it is a unit of what sensors give beside motions, or such a unit over another one.
@@ -70,16 +63,14 @@ bool is_of_other_sensors(std::string_view word) {
       return factor_of(std::string(trimmed(unit)), si).has_value();
     });
   };
-  return known(word) || (word.rfind('/') != word.npos && known(word.substr(0, word.rfind('/'))));
+  const auto stroke = last_stroke(word);
+  return known(word) || (stroke != word.npos && known(word.substr(0, stroke)));
 }
 
 Stated stated(const std::string& text) {
-  const std::string word(bare(text));
-  if (const auto ratio = ratio_of(word)) {
-    const auto motion = motion_unit(ratio->first).value();
-    return {{motion.si, motion.factor / force_unit(ratio->second).value(), motion.kind}, "N"};
-  }
-  const auto stroke = word.rfind('/');
+  const std::string word = bare_unit(text);
+  if (ratio_of(word)) return {response_per_newton(word).value(), "N"};
+  const auto stroke = last_stroke(word);
   if (stroke != std::string_view::npos) {
     const auto denominator = trimmed(std::string_view(word).substr(stroke + 1));
     const auto motion = motion_unit(std::string_view(word).substr(0, stroke));
@@ -89,7 +80,7 @@ Stated stated(const std::string& text) {
     }
   }
   if (const auto motion = motion_unit(word)) return {*motion, ""};
-  if (const auto motion = over_force(word)) return *motion;
+  if (const auto motion = unit_over_newton(word)) return {*motion, "N"};
   require(is_of_other_sensors(word), unknown_unit(text));
   return {{word, 1.0, std::nullopt}, ""};
 }
@@ -111,6 +102,43 @@ std::optional<double> factor_of(const std::string& unit, const std::string& si) 
   }
 }
 
+namespace {
+
+enum class Brackets { odd, within, around };
+
+// Whether the brackets of a unit belong together, and whether one pair is around the whole of it,
+// unlike "(m)/(N)".
+Brackets brackets_of(std::string_view unit) {
+  std::string open;  // brackets that are not closed yet
+  bool is_around = unit.size() > 2;
+  for (std::size_t at = 0; at < unit.size(); ++at) {
+    if (unit[at] == '(' || unit[at] == '[') open += unit[at];
+    if (unit[at] == ')' || unit[at] == ']') {
+      if (open.empty() || (open.back() == '(') != (unit[at] == ')')) return Brackets::odd;
+      open.pop_back();
+    }
+    if (open.empty() && at + 1 < unit.size()) is_around = false;
+  }
+  if (!open.empty()) return Brackets::odd;
+  return is_around ? Brackets::around : Brackets::within;
+}
+
+}  // namespace
+
+std::string bare_unit(std::string_view word) {
+  std::string unit(trimmed(word));
+  if (unit.size() > kLongestUnit) return unit;
+  for (auto at = unit.find("**"); at != unit.npos; at = unit.find("**")) unit.replace(at, 2, "^");
+  auto brackets = brackets_of(unit);
+  if (brackets == Brackets::odd) return unit;
+  std::ranges::replace(unit, '[', '(');
+  std::ranges::replace(unit, ']', ')');
+  for (; brackets == Brackets::around; brackets = brackets_of(unit)) {
+    unit = std::string(trimmed(std::string_view(unit).substr(1, unit.size() - 2)));
+  }
+  return unit;
+}
+
 std::optional<MotionUnit> motion_unit(std::string_view word) {
   const std::string unit(trimmed(word));
   if (unit.empty()) return std::nullopt;
@@ -130,14 +158,24 @@ std::optional<MotionUnit> motion_unit(std::string_view word) {
 
 MotionUnit stated_unit(std::string_view word) {
   if (word == kEachInSi) return {};
-  const auto unit = bare(word);
+  const auto unit = bare_unit(word);
   if (auto motion = motion_unit(unit)) return *motion;
   require(unit.empty() || is_of_other_sensors(unit), unknown_unit(word));
-  return {std::string(unit), 1.0, std::nullopt};
+  return {unit, 1.0, std::nullopt};
+}
+
+std::optional<MotionUnit> unit_over_newton(const std::string& word) {
+  constexpr std::array<const char*, 3> per_newton{"m/N", "m/(s N)", "m/(s^2 N)"};
+  for (std::size_t k = 0; k < per_newton.size(); ++k) {
+    if (const auto si = factor_of(bare_unit(word), per_newton[k])) {
+      return MotionUnit{kMotion[k], *si, static_cast<modal::FrfKind>(k)};
+    }
+  }
+  return std::nullopt;
 }
 
 std::optional<double> force_unit(std::string_view word) {
-  const std::string unit(bare(word));
+  const std::string unit = bare_unit(word);
   if (unit.empty()) return std::nullopt;
   if (const auto newtons = factor_of(unit, "N")) return newtons;
   static const std::map<std::string, const char*, std::less<>> spelled{
@@ -147,28 +185,80 @@ std::optional<double> force_unit(std::string_view word) {
   return found == spelled.end() ? std::nullopt : factor_of(found->second, "N");
 }
 
+std::optional<MotionUnit> response_per_newton(const std::string& word) {
+  const auto ratio = ratio_of(word);
+  if (!ratio) return unit_over_newton(word);
+  auto motion = motion_unit(ratio->first).value();
+  motion.factor /= force_unit(ratio->second).value();
+  return motion;
+}
+
+bool is_response_unit(const std::string& word) { return response_per_newton(word).has_value(); }
+
+bool stands_in(std::string_view unit, std::string_view word) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  for (auto at = word.find(unit); at != word.npos && !unit.empty(); at = word.find(unit, at + 1)) {
+    const auto end = at + unit.size();
+    const bool is_begin = at == 0 || !is_letter(word[at - 1]);
+    if (is_begin && (end == word.size() || !is_letter(word[end]))) return true;
+  }
+  return false;
+}
+
 bool is_measured_unit(const std::string& word) {
   const bool has_letters = std::ranges::any_of(word, [](char c) { return c < '0' || c > '9'; });
-  return has_letters && (motion_unit(word) || force_unit(word) || ratio_of(word) ||
-                         over_force(word) || is_of_other_sensors(word));
+  return has_letters && (motion_unit(word) || force_unit(word) || is_response_unit(word) ||
+                         is_of_other_sensors(word));
 }
 
 namespace {
 
-// "um/N" of an output becomes "um", and "N" the unit of the inputs.
+// Gives the inputs the unit of force that stands in that of an output.
+void state_force(modal::FrfSet& set, const modal::MeasuredChannel& output,
+                 const std::string& force) {
+  for (auto& input : set.inputs) {
+    if (input.unit.empty()) input.unit = force;
+    require(force_unit(input.unit) == force_unit(force),
+            "the unit " + shown(output.unit) + " of " + output.name + " is over another one than " +
+                shown(input.unit) + ", that of the input " + input.name);
+  }
+}
+
+// A motion over a motion, "g/g", is none over a force.
+void refuse_transmissibility(const modal::MeasuredChannel& output) {
+  const auto unit = bare_unit(output.unit);
+  const auto stroke = last_stroke(unit);
+  if (stroke == std::string::npos || motion_unit(unit) || is_response_unit(unit)) return;
+  const auto of = [&](std::size_t from, std::size_t count) {
+    return motion_unit(bare_unit(std::string_view(unit).substr(from, count))).has_value();
+  };
+  require(!of(0, stroke) || !of(stroke + 1, unit.npos),
+          "the unit " + shown(output.unit) + " of " + output.name +
+              " is that of a transmissibility; expected responses to forces");
+}
+
+// The force in a word such as "um kN^-1": the unit of an input that stands in it, else "N".
+std::string force_in(const std::string& word, const std::vector<modal::MeasuredChannel>& inputs) {
+  for (const auto& input : inputs) {
+    if (force_unit(input.unit) && stands_in(bare_unit(input.unit), word)) return input.unit;
+  }
+  return "N";
+}
+
+// "um/N" of an output becomes "um", and "N" the unit of the inputs; so does "um N^-1".
 void split_ratios(modal::FrfSet& set) {
-  for (auto& output : set.outputs) {
-    const auto ratio = ratio_of(output.unit);
-    if (!ratio) continue;
-    const auto newtons = force_unit(ratio->second);
-    for (auto& input : set.inputs) {
-      if (input.unit.empty()) input.unit = ratio->second;
-      require(force_unit(input.unit) == newtons, "the unit " + shown(output.unit) + " of " +
-                                                     output.name + " is over another one than " +
-                                                     shown(input.unit) + ", that of the input " +
-                                                     input.name);
+  for (std::size_t i = 0; i < set.outputs.size(); ++i) {
+    auto& output = set.outputs[i];
+    refuse_transmissibility(output);
+    if (const auto ratio = ratio_of(output.unit)) {
+      state_force(set, output, ratio->second);
+      output.unit = ratio->first;
+    } else if (const auto motion = unit_over_newton(output.unit)) {
+      const auto force = force_in(output.unit, set.inputs);
+      state_force(set, output, force);
+      output.unit = motion->si;
+      scale(set, static_cast<Eigen::Index>(i), motion->factor * force_unit(force).value_or(1.0));
     }
-    output.unit = ratio->first;
   }
 }
 
@@ -234,6 +324,13 @@ void note_unknown(const modal::MeasuredChannel& input, std::vector<std::string>&
   if (is_known) return;
   notes.push_back("the unit " + shown(input.unit) + " of the input " + input.name +
                   " is not known, or none of an input: values are as they stand");
+}
+
+void note_unknown_output(const modal::MeasuredChannel& output, std::vector<std::string>& notes) {
+  const auto& unit = output.unit;
+  if (unit.empty() || motion_unit(unit) || is_of_other_sensors(unit)) return;
+  notes.push_back("the unit " + shown(unit) + " of " + output.name +
+                  " is not known: values are as they stand");
 }
 
 void note_unused(const std::string& unit, const std::vector<modal::MeasuredChannel>& outputs,

@@ -7,22 +7,9 @@
 #include <vector>
 
 #include "io/frf_file.h"
+#include "io/measured_units.h"
 
 namespace chladni::io {
-
-/// A unit of a motion or a force, from a word.
-struct MotionUnit {
-  std::string si;       ///< "m", "m/s", "m/s^2", "N"; the word itself for other units
-  double factor = 1.0;  ///< SI per word
-  std::optional<modal::FrfKind> kind;  ///< for a motion
-};
-
-/// How many `si` one `unit` is; none where it is no unit of this kind.
-[[nodiscard]] std::optional<double> factor_of(const std::string& unit, const std::string& si);
-
-/// The unit "mm", "in/s", "g" (9.80665 m/s²), "mg" (a thousandth of it); none where the word is no
-/// unit of displacement, velocity or acceleration.
-[[nodiscard]] std::optional<MotionUnit> motion_unit(std::string_view word);
 
 /// As `motion_unit`, of a word by which the user states what a file does not: also in brackets,
 /// "[mm]". A unit of another kind of sensor ("V", "Pa") is kept with the factor 1, and so is "".
@@ -30,9 +17,14 @@ struct MotionUnit {
 /// @throws InvalidInput  the word is no unit of what sensors give
 [[nodiscard]] MotionUnit stated_unit(std::string_view word);
 
-/// Newtons per `word`, which may be in brackets and in capitals, "(LBF)"; "lb" and "lbs" are forces
-/// here. None where the word is no unit of force.
-[[nodiscard]] std::optional<double> force_unit(std::string_view word);
+/// The unit of a motion over a newton in one word, "um N^-1", "m/(s^2 N)"; none where it is none.
+[[nodiscard]] std::optional<MotionUnit> unit_over_newton(const std::string& word);
+
+/// Whether a word is a unit of a motion over a force: "g/lbf", "um N^-1".
+[[nodiscard]] bool is_response_unit(const std::string& word);
+
+/// Whether a unit stands in a product of units: "kN" in "um kN^-1", but no "N".
+[[nodiscard]] bool stands_in(std::string_view unit, std::string_view word);
 
 /// Whether a word is a unit of what sensors give, of a force, or of a motion over a force: "mm",
 /// "V", "lbf", "um/N".
@@ -40,6 +32,9 @@ struct MotionUnit {
 
 /// Notes that the unit of an input is none that is known, so that nothing converted its values.
 void note_unknown(const modal::MeasuredChannel& input, std::vector<std::string>& notes);
+
+/// Notes that the unit of an output is none that is known.
+void note_unknown_output(const modal::MeasuredChannel& output, std::vector<std::string>& notes);
 
 /// Notes that `unit`, which the user states, is not used, where all outputs have one in the file.
 void note_unused(const std::string& unit, const std::vector<modal::MeasuredChannel>& outputs,

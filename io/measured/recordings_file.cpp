@@ -1,3 +1,4 @@
+// A table of recordings, row by row.
 #include "io/recordings_file.h"
 
 #include <algorithm>
@@ -8,22 +9,14 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "io/bytes/csv_table.h"
-#include "io/bytes/gzip.h"
 #include "io/bytes/scratch_file.h"
-#include "io/measured/measured_format.h"
 #include "io/measured/time_columns.h"
-#include "io/uff/time_uff.h"
 
 namespace chladni::io {
 namespace {
 
 using Eigen::Index;
 
-// Memory for a file that is read as a whole and estimated, over its size; of a universal file in
-// single precision.
-constexpr std::uintmax_t kWholeCost = 4, kWholeCostOfUff = 20;
-constexpr std::size_t kHead = std::size_t{1}
-                              << 16U;  // of a universal file, with its first function
 constexpr std::size_t kBlockRows = 65536;
 
 /// Columns of the scratch file beside those of the channels.
@@ -223,51 +216,10 @@ class Pieces {
   std::shared_ptr<Store> store_ = std::make_shared<Store>();
 };
 
-std::string begin_of(const std::filesystem::path& file, std::size_t bytes) {
-  std::string begin(bytes, '\0');
-  begin.resize(UnpackedFile(file).read(begin.data(), bytes));
-  return begin;
-}
-
-bool has_column_of_periods(const std::filesystem::path& file) {
-  const CsvRows rows(file);
-  RecordLayout layout;
-  for (const auto& name : rows.head().names) {
-    if (auto* column = special_column(name, layout)) *column = 0;
-  }
-  return layout.period >= 0;
-}
-
-// Whether a text is longer than this; a packed one is unpacked so far.
-bool is_longer(const std::filesystem::path& file, std::uintmax_t bytes) {
-  UnpackedFile content(file);
-  if (!content.is_packed()) return std::filesystem::file_size(file) > bytes;
-  std::vector<char> room(std::size_t{1} << 20U);
-  std::uintmax_t length = 0;
-  for (std::size_t count = room.size(); count == room.size() && length <= bytes; length += count) {
-    throw_if_interrupted();
-    count = content.read(room.data(), room.size());
-  }
-  return length > bytes;
-}
-
 }  // namespace
 
-bool is_read_in_pieces(const std::filesystem::path& file, const TimeOptions& options) {
-  const auto format = measured_format(file);
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error) || error) return false;
-  if (format == MeasuredFormat::uff) {
-    return is_longer(file, options.limit_bytes / kWholeCostOfUff) &&
-           (options.period > 0 || states_period(begin_of(file, kHead)));
-  }
-  return format == MeasuredFormat::csv && is_longer(file, options.limit_bytes / kWholeCost) &&
-         (options.period > 0 || has_column_of_periods(file));
-}
-
-RecordingsFile read_in_pieces(const std::filesystem::path& file, const TimeOptions& options) {
-  if (measured_format(file) != MeasuredFormat::uff) return Pieces(file, options).all();
-  return parse_time_uff_in_pieces(content_of(file, options.limit_bytes), file.string(), options);
+RecordingsFile read_csv_in_pieces(const std::filesystem::path& file, const TimeOptions& options) {
+  return Pieces(file, options).all();
 }
 
 }  // namespace chladni::io

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "base/error.h"
 #include "host/atomic_file.h"
@@ -160,6 +161,47 @@ class LineReader {
   ShapesStated stated_;
 };
 
+// What no measurement gives: a mode that grows, a shape that is 0 everywhere.
+void require_measured(const Line& line, Eigen::Index mode, const std::string& name,
+                      const ShapeTable& table) {
+  if (table.damping_ratio(mode) < 0.0) {
+    fail(name, line.number,
+         fmt::format("damping_ratio is {:.6g}; expected 0 or more, or an empty cell",
+                     table.damping_ratio(mode)));
+  }
+  const auto shape = table.values.col(mode);
+  const auto count = shape.array().isFinite().count();
+  if (count > 1 && (shape.array() == 0.0).count() == count) {
+    fail(name, line.number,
+         "all values of the shape are 0; expected its values, and empty cells where it was not "
+         "measured");
+  }
+}
+
+// @param lines  of the table, the first with the names
+void refuse_repeats(const std::vector<Line>& lines, const std::string& name,
+                    const ShapeTable& table) {
+  const auto is_less = [](double a, double b) {  // what was not measured comes last
+    return !std::isnan(a) && (std::isnan(b) || a < b);
+  };
+  const auto is_before = [&](Eigen::Index one, Eigen::Index other) {
+    const double a = table.frequency_hz(one), b = table.frequency_hz(other);
+    const auto shape = table.values.col(one), other_shape = table.values.col(other);
+    return a < b ||
+           (a == b && std::lexicographical_compare(shape.begin(), shape.end(), other_shape.begin(),
+                                                   other_shape.end(), is_less));
+  };
+  std::set<Eigen::Index, decltype(is_before)> known(is_before);
+  for (Eigen::Index mode = 0; mode < table.values.cols(); ++mode) {
+    if (!table.values.col(mode).array().isFinite().any()) continue;
+    const auto [found, is_new] = known.insert(mode);
+    if (is_new) continue;
+    fail(name, lines[static_cast<std::size_t>(mode) + 1].number,
+         fmt::format("the mode repeats mode {}, frequency and shape; expected each once",
+                     *found + 1));
+  }
+}
+
 void read_mode(const Line& line, const Line& header, const TableColumns& columns, Eigen::Index mode,
                const std::string& name, ShapesStated stated, ShapeTable& table) {
   if (line.fields.size() != header.fields.size()) {
@@ -187,6 +229,7 @@ void read_mode(const Line& line, const Line& header, const TableColumns& columns
     table.values(row, mode) = reader.number(columns.value[s]);
     table.deviation(row, mode) = reader.deviation(columns.deviation[s]);
   }
+  if (stated == ShapesStated::partly) require_measured(line, mode, name, table);
 }
 
 }  // namespace
@@ -210,6 +253,7 @@ ShapeTable parse_shapes(std::string_view bytes, const std::string& name, ShapesS
   for (Eigen::Index i = 0; i < m; ++i) {
     read_mode(lines[static_cast<std::size_t>(i) + 1], header, columns, i, name, stated, table);
   }
+  if (stated == ShapesStated::partly) refuse_repeats(lines, name, table);
   return table;
 }
 

@@ -136,17 +136,16 @@ struct ChannelHead {
 };
 
 // A name of the study may have brackets of its own.
-ChannelHead channel_head(const std::string& column, const TimeOptions& options) {
+ChannelHead channel_head(const CsvTable& table, std::size_t number, const TimeOptions& options) {
+  const auto& column = table.names[number];
+  const auto [whole, unit] = channel_and_unit(table, number);
   for (const auto* names :
        {&options.sensor_names, &options.actuator_names, &options.reference_names}) {
     if (std::ranges::find(*names, column) == names->end()) continue;
-    return {side_of(column, options).first, column, ""};
+    return {side_of(column, options).first, column, table.units.empty() ? "" : unit};
   }
-  const auto [whole, unit] = channel_and_unit(column);
-  const auto [side, name] = side_of(whole, options);
-  const bool is_known = std::ranges::find(options.sensor_names, name) != options.sensor_names.end();
-  const bool is_force = side == Side::output && name == whole && !is_known && force_unit(unit);
-  return {is_force ? Side::input : side, name, unit};
+  const auto [side, name] = side_of(whole, unit, options);
+  return {side, name, unit};
 }
 
 // Gives a channel the unit of its column. @return the SI value of 1
@@ -195,8 +194,8 @@ int whole_number(const CsvTable& table, Index row, Index column) {
                    table.names[static_cast<std::size_t>(column)], value, kMostNumber));
 }
 
-Index* special_column(const std::string& name, RecordLayout& layout) {
-  if (const auto seconds = seconds_of_column(name)) {
+Index* special_column(const std::string& name, const std::string& head, RecordLayout& layout) {
+  if (const auto seconds = seconds_of_column(head)) {
     layout.seconds = *seconds;
     return &layout.time;
   }
@@ -210,13 +209,13 @@ RecordLayout layout_of(const CsvTable& table, const TimeOptions& options, TimeFi
   RecordLayout layout;
   std::array<std::set<std::string>, 3> seen;
   for (std::size_t c = 0; c < table.names.size(); ++c) {
-    Index* place = special_column(table.names[c], layout);
+    Index* place = special_column(table.names[c], whole_head(table, c), layout);
     if (place != nullptr) {
       require(*place < 0, table.file + ": two columns of the " + table.names[c]);
       *place = static_cast<Index>(c);
       continue;
     }
-    const auto head = channel_head(table.names[c], options);
+    const auto head = channel_head(table, c, options);
     const auto s = static_cast<std::size_t>(head.side);
     require(seen[s].insert(head.name).second,
             table.file + ": two columns of the channel " + shown(head.name));

@@ -20,8 +20,10 @@ struct RecordLayout {
   double seconds = 1.0;                              ///< of 1 in the column of times
 };
 
-/// The special column with this name; null: the column belongs to a channel.
-[[nodiscard]] Eigen::Index* special_column(const std::string& name, RecordLayout& layout);
+/// The special column with this name; null: the column belongs to a channel. @param head  the name
+/// with its unit, "Time [ms]"
+[[nodiscard]] Eigen::Index* special_column(const std::string& name, const std::string& head,
+                                           RecordLayout& layout);
 
 /// The columns of a table by their names. The channels and a note of them go to `file`. A channel
 /// has the unit behind its name, "left [g]", else an output has that of `options`; where neither

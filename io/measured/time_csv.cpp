@@ -11,6 +11,7 @@
 #include "io/csv.h"
 #include "io/measured/column_head.h"
 #include "io/measured/time_columns.h"
+#include "io/measured_units.h"
 #include "io/scan.h"
 #include "io/time_file.h"
 
@@ -67,6 +68,18 @@ std::pair<Side, std::string> side_of(std::string_view name, const TimeOptions& o
   return {side_of_letters(name), whole_name};
 }
 
+std::pair<Side, std::string> side_of(std::string_view name, const std::string& unit,
+                                     const TimeOptions& options) {
+  auto found = side_of(name, options);
+  const bool is_listed = has_name(options.sensor_names, found.second) ||
+                         has_name(options.actuator_names, found.second) ||
+                         has_name(options.reference_names, found.second);
+  if (is_listed || found.second != name) return found;
+  if (found.first == Side::output && force_unit(unit)) found.first = Side::input;
+  if (found.first == Side::input && motion_unit(unit)) found.first = Side::output;
+  return found;
+}
+
 TimeFile parse_time_csv(std::string_view bytes, const std::string& name,
                         const TimeOptions& options) {
   const CsvTable table = csv_table(bytes, name, options.limit_bytes);
@@ -98,7 +111,8 @@ namespace {
 std::string column_name(const modal::MeasuredChannel& channel, Side side) {
   RecordLayout nothing;
   const auto is_read_back = [&](std::string word) {
-    return special_column(word, nothing) == nullptr && channel_and_unit(word).second.empty() &&
+    return special_column(word, word, nothing) == nullptr &&
+           channel_and_unit(word).second.empty() &&
            side_of(word, {}) == std::pair(side, channel.name) && trimmed(word) == word &&
            word.find_first_of("\r\n") == std::string_view::npos && !number_in(word) &&
            word.front() != '#';

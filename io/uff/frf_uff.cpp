@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <set>
 #include <tuple>
@@ -260,8 +261,12 @@ class Collector {
   void place_all() {
     if (uff_.nodes.empty()) return;
     std::optional<double> length;
-    if (uff_.units) length = uff_.units->length;
     if (!options_.length_unit.empty()) length = unit_factor(options_.length_unit, "m");
+    if (uff_.units && length && std::abs(*length / uff_.units->length - 1.0) > 1e-6) {
+      add_note("the file states its unit of lengths (dataset 164): \"" + options_.length_unit +
+               "\" is not used");
+    }
+    if (uff_.units) length = uff_.units->length;
     if (!length) {
       file_.notes.emplace_back(
           "the nodes have no unit (no dataset 164): their places are not read; "

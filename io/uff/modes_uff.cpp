@@ -39,6 +39,9 @@ void require_sizes(const UffModes& modes) {
   require(modes.imaginary.size() == 0 || (modes.imaginary.rows() == modes.shapes.rows() &&
                                           modes.imaginary.cols() == modes.shapes.cols()),
           "UFF: real and imaginary parts of the shapes differ in size");
+  require(modes.known.size() == 0 || (modes.known.rows() == n && modes.known.cols() == m),
+          fmt::format("UFF: {} x {} marks of what is known, for {} nodes and {} modes",
+                      modes.known.rows(), modes.known.cols(), n, m));
   std::set<long long> seen;
   for (const long long node : modes.node) {
     require(node >= 1 && node <= std::numeric_limits<std::int32_t>::max(),
@@ -170,6 +173,7 @@ std::string values_of(const UffModes& modes, Index m) {
   std::string text;
   std::vector<double> values;
   for (std::size_t i = 0; i < modes.node.size(); ++i) {
+    if (modes.known.cols() > 0 && !modes.known(static_cast<Index>(i), m)) continue;
     values.clear();
     for (Index row = 3 * static_cast<Index>(i); row < 3 * static_cast<Index>(i) + 3; ++row) {
       values.push_back(modes.shapes(row, m));
@@ -186,6 +190,7 @@ std::string modes_uff(const UffModes& modes, ShapeDataset dataset) {
   require_sizes(modes);
   std::string text = geometry(modes);
   for (Index m = 0; m < modes.frequency_hz.size(); ++m) {
+    if (modes.known.cols() > 0 && !modes.known.col(m).any()) continue;
     const ModeHead head = head_of(modes, m);
     text += dataset == ShapeDataset::nodes_55
                 ? uff_block(55, identification(modes, head) + head_55(head) + values_of(modes, m))

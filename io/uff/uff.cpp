@@ -50,6 +50,14 @@ class UffReader {
                            (count > 1 ? ", " + fmt::to_string(count) + " times" : "") +
                            ": not read");
     }
+    if (!left_out_.empty()) {
+      const bool is_one = left_out_.size() == 1;
+      uff_.notes.push_back(listed(left_out_) + (is_one ? " is" : " are") +
+                           " placed in a coordinate system and not in the unit of the first "
+                           "dataset 164: " +
+                           (is_one ? "its place and its system" : "their places and systems") +
+                           " are not read");
+    }
     for (auto& function : uff_.functions) {
       if (!function.units) function.units = uff_.units;
     }
@@ -118,10 +126,7 @@ class UffReader {
       while (!lines_.at_end_of_dataset()) node_of_2411(number == "781");
     } else if (number == "18" || number == "2420") {
       uff_.defines_systems = true;
-      as_far_as_readable("coordinate systems", [&] {
-        number == "18" ? read_systems_of_18(lines_, uff_.systems)
-                       : read_systems_of_2420(lines_, uff_.systems);
-      });
+      as_far_as_readable("coordinate systems", [&] { read_systems(number); });
     } else if (number == "82") {
       as_far_as_readable("trace lines",
                          [&] { uff_.trace_lines.push_back(uff_trace_line(lines_)); });
@@ -198,13 +203,38 @@ class UffReader {
     return systems;
   }
 
-  void add_node(long long label, const Eigen::Vector3d& position, const UffNodeSystems& systems) {
-    if (!uff_.nodes.contains(label) && (systems.place != 0 || systems.displacement != 0)) {
+  // Lengths of what follows the present dataset 164, in the unit of the first one.
+  [[nodiscard]] double in_first_unit() const {
+    return current_ && uff_.units ? current_->length / uff_.units->length : 1.0;
+  }
+
+  void add_node(long long label, Eigen::Vector3d position, const UffNodeSystems& systems) {
+    if (systems.place != 0 && in_first_unit() != 1.0) {
+      left_out_.push_back("node " + fmt::to_string(label));
+      return;
+    }
+    position *= in_first_unit();
+    const auto [place, is_new] = uff_.nodes.emplace(label, position);
+    if (is_new && (systems.place != 0 || systems.displacement != 0)) {
       uff_.node_systems.emplace(label, systems);
     }
-    const auto [place, is_new] = uff_.nodes.emplace(label, position);
-    if (is_new || place->second == position) return;
-    uff_.notes.push_back("node " + fmt::to_string(label) + " has two places: the first is taken");
+    if (is_new) return;
+    const auto known = uff_.node_systems.find(label);
+    const auto before = known == uff_.node_systems.end() ? UffNodeSystems{} : known->second;
+    const auto node = "node " + fmt::to_string(label);
+    if (before.displacement != systems.displacement) {
+      uff_.notes.push_back(node + " has two coordinate systems of displacements, " +
+                           fmt::to_string(before.displacement) + " and " +
+                           fmt::to_string(systems.displacement) + ": the first is taken");
+    }
+    const bool is_same = before.place == systems.place &&
+                         (place->second - position).norm() <= 1e-6 * position.norm();
+    if (!is_same) uff_.notes.push_back(node + " has two places: the first is taken");
+  }
+
+  void read_systems(const std::string& number) {
+    number == "18" ? read_systems_of_18(lines_, in_first_unit(), uff_.systems)
+                   : read_systems_of_2420(lines_, in_first_unit(), uff_.systems);
   }
 
   void node_of_15() {
@@ -240,6 +270,7 @@ class UffReader {
   Uff uff_;
   std::optional<UffUnits> current_;
   std::map<std::string, int> unknown_;
+  std::vector<std::string> left_out_;  ///< nodes
   bool any_ = false;
 };
 

@@ -74,6 +74,8 @@ struct UffSystem {
   std::string fault;  ///< the reason why it cannot be used; empty: it can be used
 };
 
+using UffSystems = std::map<long long, UffSystem>;  ///< by number
+
 /// The systems of a node's place and of its displacements; 0: the global system.
 struct UffNodeSystems {
   long long place = 0, displacement = 0;
@@ -84,7 +86,7 @@ struct Uff {
   std::optional<UffUnits> units;                     ///< the first dataset 164
   std::map<long long, Eigen::Vector3d> nodes;        ///< 15, 781, 2411; as in the file
   std::map<long long, UffNodeSystems> node_systems;  ///< where they are not the global system
-  std::map<long long, UffSystem> systems;
+  UffSystems systems;
   bool defines_systems = false;  ///< there is a dataset 18 or 2420, readable or not
   std::vector<UffFunction> functions;
   std::vector<UffShape> shapes;

@@ -22,33 +22,45 @@ std::string lower(std::string word) {
   return word;
 }
 
-std::string without_brackets(std::string label) {
-  std::erase_if(label, [](char c) { return c == '(' || c == ')' || c == '[' || c == ']'; });
-  return label;
+// A label as a unit. Its columns may cut a bracket off, "(m/s^2": what is left alone is no bracket.
+std::string unit_of(const std::string& label) {
+  auto unit = bare_unit(label);
+  const bool is_whole = std::ranges::count(unit, '(') == std::ranges::count(unit, ')') &&
+                        unit.find_first_of("[]") == std::string::npos;
+  if (!is_whole)
+    std::erase_if(unit, [](char c) { return c == '(' || c == ')' || c == '[' || c == ']'; });
+  return unit;
 }
 
 // The unit in a label: "(m/s^2)", "M/S2", "g's". In "m/s^2/N" only the part before the last slash
-// counts.
+// counts; that of "m/(s^2 N)" is over a newton.
 std::optional<MotionUnit> motion_of_label(const std::string& stated) {
-  auto label = without_brackets(stated);
+  auto label = unit_of(stated);
   if (upper(label) == "G" || upper(label) == "G'S" || upper(label) == "GS") label = "g";
   if (auto unit = motion_unit(label)) return unit;
   if (auto unit = motion_unit(lower(label))) return unit;
   const auto stroke = label.rfind('/');
-  if (stroke == std::string_view::npos || !force_unit(label.substr(stroke + 1)))
-    return std::nullopt;
+  if (stroke == std::string::npos || !force_unit(label.substr(stroke + 1))) {
+    return unit_over_newton(label);
+  }
   return motion_of_label(label.substr(0, stroke));
 }
 
 // The force in "g/lbf": N per its unit.
 std::optional<double> force_beside_motion(const std::string& stated) {
-  const auto label = without_brackets(stated);
+  const auto label = unit_of(stated);
   const auto stroke = label.rfind('/');
-  if (stroke == std::string::npos || motion_unit(label) || motion_unit(lower(label))) {
-    return std::nullopt;
-  }
-  return motion_of_label(label.substr(0, stroke)) ? force_unit(label.substr(stroke + 1))
-                                                  : std::nullopt;
+  if (motion_unit(label) || motion_unit(lower(label))) return std::nullopt;
+  const auto force =
+      stroke == std::string::npos ? std::nullopt : force_unit(label.substr(stroke + 1));
+  return force && motion_of_label(label.substr(0, stroke)) ? force : std::nullopt;
+}
+
+// Whether a label is a motion over a force in one word, "m/(s^2 kN)". Its factor is per newton.
+bool is_over_newton(const std::string& stated) {
+  const auto label = unit_of(stated);
+  return !motion_unit(label) && !motion_unit(lower(label)) && !force_beside_motion(stated) &&
+         unit_over_newton(label);
 }
 
 // @param has_164  its unit is taken
@@ -93,7 +105,7 @@ const char* si_of_rotation(modal::FrfKind kind) {
 
 // The unit of a label over that of a rotation: "rad", "(deg/s)", "RAD/S2/N".
 std::optional<double> rotation_of_label(const std::string& stated, const std::string& si) {
-  const auto label = without_brackets(stated);
+  const auto label = unit_of(stated);
   for (const auto& word : {label, lower(label)}) {
     if (const auto factor = factor_of(word, si)) return factor;
   }
@@ -118,7 +130,7 @@ UffScale rotation_scale(const UffAxis& axis, modal::FrfKind kind) {
 
 // The unit of a label over N m: "N m", "Nm", "N-mm", "lbf in".
 std::optional<double> moment_of_label(const std::string& stated) {
-  auto label = without_brackets(stated);
+  auto label = unit_of(stated);
   std::ranges::replace_if(
       label, [](char c) { return c == '-' || c == '*' || c == '.'; }, ' ');
   if (label.starts_with("Nm")) label.insert(1, " ");
@@ -245,10 +257,29 @@ UffScale force_scale(const UffDof& dof, const UffAxis& axis, const std::optional
   return scale;
 }
 
+namespace {
+
+// The scale of an input whose force the unit of the response has in itself.
+UffScale per_newton(const UffFunction& function) {
+  UffScale scale;
+  scale.unit = "N";
+  const auto& input = function.denominator.unit;
+  const auto force = force_unit(input);
+  if (force && *force != 1.0 && !stands_in(unit_of(input), function.ordinate.unit)) {
+    scale.note = "the unit " + shown(input) + " of the input is not that in " +
+                 shown(function.ordinate.unit) + ": that of the response is taken";
+  }
+  return scale;
+}
+
+}  // namespace
+
 UffScale input_scale(const UffFunction& function) {
   auto scale = force_scale(function.reference, function.denominator, function.units);
+  if (is_rotation(function.reference)) return scale;
+  if (is_over_newton(function.ordinate.unit)) return per_newton(function);
   const auto beside = force_beside_motion(function.ordinate.unit);
-  if (!beside || is_rotation(function.reference)) return scale;
+  if (!beside) return scale;
   if (function.denominator.unit.empty()) {
     scale = UffScale{};
     scale.factor = *beside;
@@ -271,7 +302,7 @@ bool is_motion(const UffAxis& axis) {
 bool has_unit_of_motion(const UffAxis& axis) { return motion_of_label(axis.unit).has_value(); }
 
 std::optional<double> abscissa_factor(const UffAxis& axis, const std::string& si) {
-  const std::string label(trimmed(without_brackets(axis.unit)));
+  const std::string label(trimmed(unit_of(axis.unit)));
   if (label.empty()) return 1.0;
   std::string word = label;
   if (upper(label).ends_with("HZ")) word.replace(word.size() - 2, 2, "Hz");

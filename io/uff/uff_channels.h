@@ -51,7 +51,8 @@ struct UffScale {
                                    const std::optional<UffUnits>& units);
 
 /// The scale of the force of a response: that of its denominator, or the one beside the motion
-/// ("g/lbf") where the denominator has no unit.
+/// ("g/lbf") where the denominator has no unit. It is 1 beside "m/(s^2 kN)", whose motion is scaled
+/// to that of a newton.
 [[nodiscard]] UffScale input_scale(const UffFunction& function);
 
 /// Whether the type of the data is that of a reaction or an excitation.

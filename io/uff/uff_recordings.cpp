@@ -85,6 +85,7 @@ UffTrace trace_of(const UffFunction& function) {
   trace.fault = time_fault_of(x, step, seconds);
   const double first = x(1) - x(0);
   trace.step = seconds * (std::abs(first - step) < 1e-12 * step ? first : step);
+  trace.start = seconds * x(0);
   return trace;
 }
 
@@ -206,6 +207,9 @@ void UffRecordings::finish() {
   }
   const auto& first = uff_.functions[parts_.begin()->second.front().function];
   const auto stated_period = integer_in(stated(first, kUffPeriod));
+  if (stated_period.value_or(0) < 0) {
+    fail(place(first) + ": a period of " + fmt::to_string(*stated_period) + " samples");
+  }
   file_.data.period = options_.period > 0 ? options_.period : stated_period.value_or(0);
   for (auto& output : file_.data.outputs) {
     if (output.unit.empty() && !options_.unit.empty()) continue;
@@ -255,6 +259,11 @@ void UffRecordings::add_record(long long experiment, int realisation,
   UffRecord record;
   const Index n = traces_[parts.front().function].count;
   const auto& data = file_.data;
+  const bool is_only = parts_.begin()->first[0] == parts_.rbegin()->first[0];
+  if (!is_only && (experiment < 0 || experiment > kMostNumber)) {
+    fail(place(parts.front()) + ": the load case " + fmt::to_string(experiment) +
+         ", expected 0 to " + fmt::to_string(kMostNumber));
+  }
   record.experiment = static_cast<int>(std::clamp(experiment, 0LL, kMostNumber));
   record.realisation = realisation;
   record.samples = n;
@@ -269,6 +278,11 @@ void UffRecordings::add_record(long long experiment, int realisation,
     if (trace.count != n) {
       fail("unequal lengths: " + place(parts.front()) + " has " + fmt::to_string(n) + " samples, " +
            place(part) + " has " + fmt::to_string(trace.count));
+    }
+    const double start = traces_[parts.front().function].start;
+    if (std::abs(trace.start - start) > 0.01 * trace.step) {
+      fail(fmt::format("unequal times: {} begins at {:.9g} s, {} at {:.9g} s", place(parts.front()),
+                       start, place(part), trace.start));
     }
     if (!trace.is_finite) fail(place(part) + ": a sample is no number");
   }

@@ -32,8 +32,8 @@ inline constexpr std::array<Eigen::MatrixXd recordings::Record::*, 3> kUffSample
 /// What the samples of a function say; they may lie elsewhere.
 struct UffTrace {
   Eigen::Index count = 0;
-  double step = 0.0;  ///< [s]
-  std::string fault;  ///< of its time; empty: none
+  double step = 0.0, start = 0.0;  ///< [s]
+  std::string fault;               ///< of its time; empty: none
   bool is_finite = true;
 };
 [[nodiscard]] UffTrace trace_of(const UffFunction& function);

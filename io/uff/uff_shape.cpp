@@ -1,6 +1,8 @@
 // Reads datasets 55 and 2414: mode shapes at nodes.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -13,8 +15,9 @@
 namespace chladni::io {
 namespace {
 
-constexpr long long kAtNodes = 1;  // of 2414
-constexpr long long kUnknown = 0;  // characteristic of the values
+constexpr long long kAtNodes = 1;                 // of 2414
+constexpr long long kUnknown = 0;                 // characteristic of the values
+constexpr std::array kOfMotion{0, 1, 8, 11, 12};  // types of data, of which 0 and 1 tell nothing
 
 // The data of a shape, from record 6 of dataset 55 and record 9 of dataset 2414.
 struct ShapeForm {
@@ -39,9 +42,14 @@ ShapeForm read_shape_form(UffLines& lines, UffShape& shape, std::vector<std::str
   const bool is_motion = (components == 3 || components == 6) &&
                          (characteristic == kUnknown || characteristic == kTranslations ||
                           characteristic == kWithRotations);
-  const bool is_readable =
+  const bool has_form =
       is_motion && (is_complex || data_type == kRealValues || data_type == kDoubleValues);
-  if (!is_readable) {
+  const bool is_readable = has_form && std::ranges::find(kOfMotion, shape.type) != kOfMotion.end();
+  if (has_form && !is_readable) {
+    notes.push_back("dataset " + fmt::to_string(shape.dataset) + " from line " +
+                    fmt::to_string(shape.line) + " has data of type " + fmt::to_string(shape.type) +
+                    ", no displacement (8), velocity (11) or acceleration (12): not read");
+  } else if (!is_readable) {
     notes.push_back("dataset " + fmt::to_string(shape.dataset) + " from line " +
                     fmt::to_string(shape.line) + " has " + fmt::to_string(components) +
                     " values per node of type " + fmt::to_string(data_type) + ": not read");
@@ -64,7 +72,8 @@ void take_eigenvalue(std::complex<double> eigenvalue, UffShape& shape) {
   shape.damping_ratio = size > 0.0 ? -eigenvalue.real() / size : 0.0;
 }
 
-void read_analysis_of_55(UffLines& lines, UffShape& shape, std::vector<std::string>& notes) {
+// @return  false: it does not state the frequency of a mode, which is noted
+bool read_analysis_of_55(UffLines& lines, UffShape& shape, std::vector<std::string>& notes) {
   const std::string line(lines.filled_record("analysis record"));
   const auto words = words_of(line);
   if (words.size() < 2)
@@ -74,13 +83,21 @@ void read_analysis_of_55(UffLines& lines, UffShape& shape, std::vector<std::stri
     static_cast<void>(lines.filled_record("integers of the analysis"));
   }
   const auto values = reals(lines, uff_integer(lines, words[1], "number of reals"), notes);
-  if (shape.analysis == kNormalMode && values.size() >= 4) {
-    shape.frequency_hz = values[0];
-    shape.modal_mass = values[1];
-    shape.damping_ratio = values[2];
-  } else if (is_complex_mode(shape) && values.size() >= 2) {
-    take_eigenvalue({values[0], values[1]}, shape);
+  const std::size_t needed = is_complex_mode(shape) ? 2 : shape.analysis == kNormalMode ? 1 : 0;
+  if (values.size() < needed) {
+    notes.push_back(
+        fmt::format("dataset 55 from line {} does not state the {} of its mode: not read",
+                    shape.line, needed == 1 ? "frequency" : "eigenvalue"));
+    return false;
   }
+  if (is_complex_mode(shape)) {
+    take_eigenvalue({values[0], values[1]}, shape);
+  } else if (shape.analysis == kNormalMode) {
+    shape.frequency_hz = values[0];
+    if (values.size() > 1) shape.modal_mass = values[1];
+    if (values.size() > 2) shape.damping_ratio = values[2];
+  }
+  return true;
 }
 
 // Records 10 and 11 are eight whole numbers each; 12 and 13 are six reals each.
@@ -136,11 +153,10 @@ std::optional<UffShape> uff_shape_55(UffLines& lines, std::vector<std::string>& 
   shape.line = lines.line() - 1;
   read_identification(lines, shape);
   const ShapeForm form = read_shape_form(lines, shape, notes);
-  if (!form.is_readable) {
+  if (!form.is_readable || !read_analysis_of_55(lines, shape, notes)) {
     skip_rest(lines);
     return std::nullopt;
   }
-  read_analysis_of_55(lines, shape, notes);
   require_frequency(lines, shape);
   read_nodes(lines, shape, form, notes);
   return shape;

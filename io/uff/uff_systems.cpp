@@ -47,7 +47,7 @@ std::vector<long long> integers_of(UffLines& lines, std::size_t count, const cha
   return numbers;
 }
 
-void add(std::map<long long, UffSystem>& systems, long long number, const UffSystem& system) {
+void add(UffSystems& systems, long long number, const UffSystem& system) {
   const auto [place, is_new] = systems.emplace(number, system);
   auto& first = place->second;
   if (is_new || (first.type == system.type && first.reference == system.reference &&
@@ -55,6 +55,12 @@ void add(std::map<long long, UffSystem>& systems, long long number, const UffSys
     return;
   }
   first.fault = "is defined twice, and differently";
+}
+
+// Whether all coordinates in a system are lengths, as far as it is known.
+bool is_cartesian(long long number, const UffSystems& systems) {
+  const auto found = systems.find(number);
+  return number == 0 || (found != systems.end() && found->second.type == 0);
 }
 
 int type_of(UffLines& lines, long long type) {
@@ -65,7 +71,7 @@ int type_of(UffLines& lines, long long type) {
 
 }  // namespace
 
-void read_systems_of_18(UffLines& lines, std::map<long long, UffSystem>& systems) {
+void read_systems_of_18(UffLines& lines, double length, UffSystems& systems) {
   while (!lines.at_end_of_dataset()) {
     const auto head = integers_of(lines, 3, "coordinate system");
     UffSystem system;
@@ -73,12 +79,15 @@ void read_systems_of_18(UffLines& lines, std::map<long long, UffSystem>& systems
     system.reference = head[2];
     static_cast<void>(lines.record("name of a coordinate system"));
     const auto numbers = numbers_of<9>(lines, "points of a coordinate system");
-    system.points = Eigen::Map<const Eigen::Matrix3d>(numbers.data());
+    system.points = length * Eigen::Map<const Eigen::Matrix3d>(numbers.data());
+    if (length != 1.0 && !is_cartesian(system.reference, systems)) {
+      system.fault = "is not in the unit of the first dataset 164";
+    }
     add(systems, head[0], system);
   }
 }
 
-void read_systems_of_2420(UffLines& lines, std::map<long long, UffSystem>& systems) {
+void read_systems_of_2420(UffLines& lines, double length, UffSystems& systems) {
   static_cast<void>(integers_of(lines, 1, "number of the part"));
   static_cast<void>(lines.record("name of the part"));
   while (!lines.at_end_of_dataset()) {
@@ -88,7 +97,7 @@ void read_systems_of_2420(UffLines& lines, std::map<long long, UffSystem>& syste
     static_cast<void>(lines.record("name of a coordinate system"));
     const auto numbers = numbers_of<12>(lines, "matrix of a coordinate system");
     const Eigen::Matrix3d axes = Eigen::Map<const Eigen::Matrix3d>(numbers.data());
-    const Eigen::Vector3d origin = Eigen::Map<const Eigen::Vector3d>(numbers.data() + 9);
+    const Eigen::Vector3d origin = length * Eigen::Map<const Eigen::Vector3d>(numbers.data() + 9);
     system.points << origin, origin + axes.col(0), origin + axes.col(2);
     if (!(axes.transpose() * axes).isIdentity(kRounding) || axes.determinant() < 0.0) {
       system.fault = "has a matrix that is no rotation";

@@ -14,10 +14,12 @@ namespace chladni::io {
 
 /// Reads datasets 18 and 2420 into `systems`. At the start `lines` is after the line with the
 /// number; at the end it is before the closing -1. Two different systems with one number become a
-/// system with a fault.
+/// system with a fault. So does one in another unit than the nodes that is stated in a cylindrical
+/// system, or in one that comes later.
+/// @param length  units of length of the nodes per that of these systems
 /// @throws InvalidInput  a record is missing or no number
-void read_systems_of_18(UffLines& lines, std::map<long long, UffSystem>& systems);
-void read_systems_of_2420(UffLines& lines, std::map<long long, UffSystem>& systems);
+void read_systems_of_18(UffLines& lines, double length, UffSystems& systems);
+void read_systems_of_2420(UffLines& lines, double length, UffSystems& systems);
 
 /// The systems of a file in its global frame. The file must outlive this object.
 ///

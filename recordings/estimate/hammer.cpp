@@ -37,9 +37,9 @@ struct Lines {
   Eigen::VectorXd hz;
 };
 
-Lines lines_of(const TimeData& data, const HammerOptions& options) {
-  const auto samples = data.records.front().outputs.rows();
-  const double step = 1.0 / (static_cast<double>(samples) * data.sample_time_s);
+Lines lines_of(const Recordings& recordings, const HammerOptions& options) {
+  const auto samples = recordings.records.front().samples;
+  const double step = 1.0 / (static_cast<double>(samples) * recordings.head.sample_time_s);
   Lines lines;
   for (Eigen::Index k = 0; 2 * k <= samples; ++k) {
     const double hz = static_cast<double>(k) * step;
@@ -55,9 +55,25 @@ Lines lines_of(const TimeData& data, const HammerOptions& options) {
   return lines;
 }
 
-void look_at(const Record& record, Eigen::Index input, const Eigen::VectorXd& window,
-             const std::string& name, bool windowed, std::vector<std::string>& notes) {
-  const Eigen::VectorXd force = record.inputs.col(input).cwiseAbs();
+/// The samples of a record: the force on one input, and the responses.
+struct Blow {
+  Eigen::VectorXd force;
+  Eigen::MatrixXd outputs;
+};
+
+Blow blow_of(const Recordings& recordings, std::size_t record, Eigen::Index input) {
+  const auto samples = recordings.records[record].samples;
+  Blow blow{recordings.samples(record, Side::inputs, input, 0, samples),
+            Eigen::MatrixXd(samples, std::ssize(recordings.head.outputs))};
+  for (Eigen::Index i = 0; i < blow.outputs.cols(); ++i) {
+    blow.outputs.col(i) = recordings.samples(record, Side::outputs, i, 0, samples);
+  }
+  return blow;
+}
+
+void look_at(const Blow& blow, const Eigen::VectorXd& window, const std::string& name,
+             bool windowed, std::vector<std::string>& notes) {
+  const Eigen::VectorXd force = blow.force.cwiseAbs();
   const double peak = force.maxCoeff();
   const Eigen::VectorXd outside = (1.0 - window.array()) * force.array();
   if (outside.maxCoeff() > Constants::double_hit * peak) {
@@ -66,9 +82,9 @@ void look_at(const Record& record, Eigen::Index input, const Eigen::VectorXd& wi
                     " % of the peak outside the force window");
   }
   if (windowed) return;
-  const auto end = std::max<Eigen::Index>(1, record.outputs.rows() / 20);
-  for (Eigen::Index i = 0; i < record.outputs.cols(); ++i) {
-    const Eigen::VectorXd y = record.outputs.col(i).cwiseAbs();
+  const auto end = std::max<Eigen::Index>(1, blow.outputs.rows() / 20);
+  for (Eigen::Index i = 0; i < blow.outputs.cols(); ++i) {
+    const Eigen::VectorXd y = blow.outputs.col(i).cwiseAbs();
     if (y.tail(end).maxCoeff() > Constants::at_rest * y.maxCoeff()) {
       notes.push_back(name + ": output " + fmt::to_string(i + 1) +
                       " does not end at rest; expected a longer record or an exponential window");
@@ -85,28 +101,27 @@ struct Sums {
   double hits = 0.0;
 };
 
-Sums sums_of(const TimeData& data, Eigen::Index input, const Lines& lines,
+Sums sums_of(const Recordings& recordings, Eigen::Index input, const Lines& lines,
              const HammerOptions& options, std::vector<std::string>& notes) {
+  const auto& data = recordings.head;
   const auto p = static_cast<Eigen::Index>(data.outputs.size());
   const auto k = lines.hz.size();
   Sums sums{Eigen::VectorXd::Zero(k), Eigen::MatrixXd::Zero(k, p), Eigen::MatrixXcd::Zero(k, p)};
-  const auto samples = data.records.front().outputs.rows();
+  const auto samples = recordings.records.front().samples;
   Eigen::VectorXd fade = Eigen::VectorXd::Ones(samples);
   if (options.exponential_s > 0.0) {
     for (Eigen::Index n = 0; n < samples; ++n) {
       fade(n) = std::exp(-static_cast<double>(n) * data.sample_time_s / options.exponential_s);
     }
   }
-  for (std::size_t i = 0; i < data.records.size(); ++i) {
-    const auto& record = data.records[i];
-    if (record.experiment != input) continue;
-    const auto window =
-        force_window(record.inputs.col(input), options.force_window_s, data.sample_time_s);
-    look_at(record, input, window, "record " + fmt::to_string(i + 1), options.exponential_s > 0.0,
-            notes);
+  for (std::size_t i = 0; i < recordings.records.size(); ++i) {
+    if (recordings.records[i].experiment != input) continue;
+    const auto blow = blow_of(recordings, i, input);
+    const auto window = force_window(blow.force, options.force_window_s, data.sample_time_s);
+    look_at(blow, window, "record " + fmt::to_string(i + 1), options.exponential_s > 0.0, notes);
     const Eigen::VectorXcd f =
-        fourier(record.inputs.col(input).cwiseProduct(window).cwiseProduct(fade))(lines.index, 0);
-    const Eigen::MatrixXcd y = fourier(fade.asDiagonal() * record.outputs)(lines.index, Eigen::all);
+        fourier(blow.force.cwiseProduct(window).cwiseProduct(fade))(lines.index, 0);
+    const Eigen::MatrixXcd y = fourier(fade.asDiagonal() * blow.outputs)(lines.index, Eigen::all);
     sums.force += f.cwiseAbs2();
     sums.response += y.cwiseAbs2();
     sums.cross += f.conjugate().asDiagonal() * y;
@@ -173,21 +188,27 @@ void fill(const Sums& sums, Eigen::Index input, Eigen::Index half, modal::FrfSet
 
 HammerEstimate hammer_estimate(const TimeData& data, const HammerOptions& options) {
   check(data);
+  return hammer_estimate(recordings_of(data), options);
+}
+
+HammerEstimate hammer_estimate(const Recordings& recordings, const HammerOptions& options) {
+  const auto& data = recordings.head;
   const auto missing = missing_side(data);
   require(missing.empty(), "hammer: " + missing);
-  for (const auto& record : data.records) {
-    require(record.outputs.rows() == data.records.front().outputs.rows(),
+  require(!recordings.records.empty(), "hammer: no record; expected one or more");
+  for (const auto& record : recordings.records) {
+    require(record.samples == recordings.records.front().samples,
             "hammer: records of unequal length");
     require(record.experiment < static_cast<int>(data.inputs.size()),
             "hammer: a record hits input " + fmt::to_string(record.experiment + 1) + " of " +
                 fmt::to_string(data.inputs.size()));
   }
-  const auto lines = lines_of(data, options);
+  const auto lines = lines_of(recordings, options);
   HammerEstimate result;
   std::vector<Sums> all;
   double fewest = std::numeric_limits<double>::infinity();
   for (Eigen::Index j = 0; j < static_cast<Eigen::Index>(data.inputs.size()); ++j) {
-    all.push_back(sums_of(data, j, lines, options, result.notes));
+    all.push_back(sums_of(recordings, j, lines, options, result.notes));
     fewest = std::min(fewest, all.back().hits);
   }
   result.h1 = empty_set(data, lines, fewest > 1.0);

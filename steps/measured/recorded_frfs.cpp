@@ -42,7 +42,7 @@ void refuse_losses(const study::MeasurementPlan& plan, const recordings::Recordi
   throw InvalidInput(text + "; expected recordings in which every period is whole");
 }
 
-void estimate_blows(const study::MeasurementPlan& plan, const TimeData& data,
+void estimate_blows(const study::MeasurementPlan& plan, const recordings::Recordings& data,
                     std::vector<std::string>& notes, RecordedFrfs& result) {
   const auto& how = plan.recording;
   auto hits = recordings::hammer_estimate(
@@ -62,6 +62,21 @@ void estimate_blows(const study::MeasurementPlan& plan, const TimeData& data,
         "exponential window of {:.4g} s; its decay of {:.4g} rad/s is taken off the modes",
         how.exponential_window, hits.added_decay));
   }
+}
+
+// Refuses records that are estimated as a whole and are too long for it: samples, spectra and sums.
+void require_room_for_blows(const study::MeasurementPlan& plan, const recordings::Recordings& data,
+                            std::size_t limit) {
+  constexpr double per_sample = 32.0, per_response = 44.0;  // bytes, of each output
+  Eigen::Index longest = 0;
+  for (const auto& record : data.records) longest = std::max(longest, record.samples);
+  const auto outputs = static_cast<double>(data.head.outputs.size());
+  const auto inputs = static_cast<double>(data.head.inputs.size());
+  io::require_room(
+      static_cast<double>(longest) * outputs * (per_sample + per_response * inputs), limit,
+      fmt::format("{}: {} samples of one recording without a period, which is taken as a whole, "
+                  "of {} outputs and {} inputs",
+                  plan.time.string(), longest, data.head.outputs.size(), data.head.inputs.size()));
 }
 
 // Part of a force that a hold takes away: 1 − sin x / x, x = ωT/2.
@@ -180,6 +195,7 @@ io::TimeOptions recording_options(const study::Study& study, const std::filesyst
     options.limit_bytes = std::min(options.limit_bytes, stated / 2);
   }
   if (path == plan.time) options.period = plan.recording.period;
+  options.blows_in_pieces = true;
   if (plan.recording.sample_rate_hz > 0.0) {
     options.sample_time_s = 1.0 / plan.recording.sample_rate_hz;
   }
@@ -239,8 +255,14 @@ RecordedFrfs recorded_in_pieces(const study::Study& study, const io::TimeOptions
   require_sides(plan, data.head);
   RecordedFrfs result;
   look_for_faults(plan, recordings::recording_faults(data), work, result);
-  const auto how = periodic_options(plan, data.records.front().samples, data.head.period);
   std::vector<std::string> notes;
+  if (data.head.period == 0) {
+    require_room_for_blows(plan, data, options.limit_bytes);
+    estimate_blows(plan, data, notes, result);
+    judge(plan, notes, work, result);
+    return result;
+  }
+  const auto how = periodic_options(plan, data.records.front().samples, data.head.period);
   take(plan, data.head.sample_time_s, recordings::periodic_estimate(data, how),
        how.remove_transient, notes, result);
   if (with_folds) notes.emplace_back("no part of it is left out in turn: that needs all of it");
@@ -262,7 +284,7 @@ RecordedFrfs recorded_frfs(const study::Study& study, stage::Work& work, bool wi
   look_for_faults(plan, recordings::recording_faults(data), work, result);
   std::vector<std::string> notes;
   if (data.period == 0) {
-    estimate_blows(plan, data, notes, result);
+    estimate_blows(plan, recordings::recordings_of(data), notes, result);
   } else {
     estimate_periods(plan, data, with_folds, notes, result);
   }

@@ -34,16 +34,19 @@ class TestFolder {
 /// A run that keeps what it says. The study must outlive it.
 class QuietRun {
  public:
-  QuietRun(const study::Study& study, const std::filesystem::path& folder)
-      : talk_(said_, show::manner_of_stderr(true)), run_(study, options(folder), shown_, talk_) {}
+  QuietRun(const study::Study& study, const std::filesystem::path& folder,
+           double memory_limit_gb = 0.0)
+      : talk_(said_, show::manner_of_stderr(true)),
+        run_(study, options(folder, memory_limit_gb), shown_, talk_) {}
 
   [[nodiscard]] show::Run& run() { return run_; }
   [[nodiscard]] std::string shown() const { return shown_.str(); }
   [[nodiscard]] std::string said() const { return said_.str(); }
 
  private:
-  static show::Options options(const std::filesystem::path& folder) {
+  static show::Options options(const std::filesystem::path& folder, double memory_limit_gb) {
     show::Options options;
+    options.memory_limit_gb = memory_limit_gb;
     options.folder = folder;
     options.pictures = false;
     options.certificate = false;

@@ -56,7 +56,7 @@ inline TwoReadings read_time_pieces(std::string_view bytes) {
             const auto content = content_of(file.path(), options.limit_bytes);  // gzip or not
             return parse_time_csv(content, "f.csv", options);
           }),
-          unless_refused([&] { return read_in_pieces(file.path(), options); })};
+          unless_refused([&] { return read_csv_in_pieces(file.path(), options); })};
 }
 
 [[nodiscard]] inline bool are_same(const recordings::Recordings& pieces, std::size_t record,

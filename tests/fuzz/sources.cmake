@@ -6,7 +6,7 @@ set(fuzzed_parsers
   mesh/soundness/material mesh/soundness/shells mesh/tets/quality mesh/surface mesh/tets/triangle)
 set(fuzzed_measured
   base/interrupt base/quantity host/atomic_file host/input_file host/limits/control_group host/memory modal/frf_set
-  io/measured/channel_names io/bytes/csv io/bytes/csv_table io/measured/frf_csv io/uff/frf_uff
+  io/measured/channel_names io/measured/column_head io/bytes/csv io/bytes/csv_table io/measured/frf_csv io/uff/frf_uff
   io/measured/frf_units io/measured/measurable io/bytes/room io/bytes/scan io/bytes/scratch_file
   io/measured/measured_format io/measured/recordings_file io/measured/time_columns
   io/measured/time_csv io/bytes/gzip io/uff/node_shapes io/uff/time_uff

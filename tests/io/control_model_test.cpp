@@ -80,6 +80,21 @@ int main(void) {
 }
 )";
 
+// Fields between the sensors have fewer modes than the model: the header says which phi has.
+TEST(ControlHeader, ListsTheModesThatShapeValuesBelongTo) {
+  modal::ReducedModel modes;
+  modes.rigid_count = 1;
+  modes.frequency_hz = Eigen::Vector2d(0.0, 40.0);
+  modes.damping_ratio = Eigen::Vector2d(0.0, 0.01);
+  modes.output_shapes = Eigen::RowVector2d(1.0, 2.0);
+  modes.input_shapes = Eigen::Vector2d(1.0, 2.0);
+  modes.residual = Eigen::MatrixXd::Zero(1, 1);
+  const auto sampled = modal::discretised(modal::control_model(modes, {{"s1"}}, {"a1"}), 1e-4);
+  const auto text = control_model_c(sampled, {"plate", {1.0, 0.5 / (std::numbers::pi * 40.0)}});
+  EXPECT_NE(text.find("\n   0  0 Hz\n   1  40 Hz\n"), std::string::npos) << text;
+  EXPECT_THROW((void)control_model_c(sampled, {"plate", {1.0, 1.0, 1.0}}), InvalidInput);
+}
+
 TEST_F(ControlFiles, TheCHeaderStepsToTheSamplesOfTheModel) {
   const auto sampled = modal::discretised(delayed(), 1e-4);
   std::vector<double> position;

@@ -110,13 +110,17 @@ class Responses(unittest.TestCase):
             chladni.read_frf(self.folder / "there_is_none.csv")
         with self.assertRaisesRegex(ValueError, "expected displacement, velocity or acceleration"):
             chladni.Channel("y", "speed")
-        for unit in ("mm", "g", "kN"):  # values beside a unit are in SI
+        for unit in ("mm", "g", "mg", "[mm]", "kN", "LBF"):  # values beside a unit are in SI
             with self.assertRaisesRegex(ValueError, "is not SI"):
                 chladni.Channel("y", unit=unit)
         with self.assertRaisesRegex(ValueError, 'expected quantity="acceleration"'):
             chladni.Channel("y", unit="m/s^2")
         self.assertEqual(chladni.Channel("y", "acceleration", "m/s^2").unit, "m/s^2")
         self.assertEqual(chladni.Channel("u", unit="V").unit, "V")
+        for unit in ("um/N", "um N^-1", "g/lbf", "m/s^2/kN"):  # values of responses, too
+            with self.assertRaisesRegex(ValueError, "is not SI; give values in m.*/N"):
+                chladni.Channel("y", unit=unit)
+        self.assertEqual(chladni.Channel("y", unit="m/N").unit, "m/N")
         broken = self.folder / "broken.csv"
         broken.write_text("freq_hz,re_yu,im_yu\n1,2,x\n")
         with self.assertRaisesRegex(ValueError, r"broken\.csv.*line 2"):

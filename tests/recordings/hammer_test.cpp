@@ -71,6 +71,34 @@ TEST(Hammer, ItsVarianceIsWhatH1ScattersBy) {
   EXPECT_EQ(found.averages, 39.0);
 }
 
+// Blows on the disk give the bits of those in memory, one record at a time.
+TEST(Hammer, BlowsThatAreReadOneByOneGiveTheSameBits) {
+  const auto data = gain_of_two(0.1, 0.2, 12);
+  const auto whole = recordings_of(data);
+  std::vector<std::size_t> asked;
+  auto pieces = whole;
+  pieces.samples = [&](std::size_t record, Side side, Eigen::Index channel, Eigen::Index first,
+                       Eigen::Index count) {
+    if (asked.empty() || asked.back() != record) asked.push_back(record);
+    return whole.samples(record, side, channel, first, count);
+  };
+  for (const HammerOptions& options :
+       {HammerOptions{}, HammerOptions{.force_window_s = 0.02, .exponential_s = 0.1}}) {
+    asked.clear();
+    const auto found = hammer_estimate(pieces, options);
+    const auto expected = hammer_estimate(data, options);
+    EXPECT_EQ(found.notes, expected.notes);
+    EXPECT_EQ(found.h1.averages, expected.h1.averages);
+    ASSERT_EQ(found.h1.value.size(), expected.h1.value.size());
+    for (std::size_t k = 0; k < found.h1.value.size(); ++k) {
+      EXPECT_EQ(found.h1.value[k], expected.h1.value[k]);
+      EXPECT_EQ(found.h2.value[k], expected.h2.value[k]);
+      EXPECT_EQ(found.h1.variance[k], expected.h1.variance[k]);
+    }
+    EXPECT_EQ(asked.size(), data.records.size());
+  }
+}
+
 // One mode, struck once, measured for less time than it takes to die away.
 TimeData struck(double seconds) {
   const auto model = model_of(Eigen::VectorXd::Constant(1, 20.0), 0.01, Eigen::MatrixXd::Ones(1, 1),

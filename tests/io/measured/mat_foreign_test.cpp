@@ -1,7 +1,9 @@
 // .mat files that are broken, huge or hold what no instrument gives.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -165,6 +167,20 @@ TEST_F(Mat, RecordingsOfDifferentLengthsAreRefused) {
         refused({8, 2, 3}, {8, 1, 6}), refused({2, 8}, {2, 8})}) {  // channels x samples
     EXPECT_NE(said.find("expected"), std::string::npos) << said;
   }
+}
+
+// The structures of a log were walked, and the file was refused for their number.
+TEST_F(Mat, ALargeArrayOfStructuresIsLeftOut) {
+  const TemporaryFile file("log.mat");
+  constexpr int count = 20'001;
+  const std::vector<std::string> values(4 * static_cast<std::size_t>(count),
+                                        doubles("", {1, 1}, {1.0}));
+  put(file.path, version_5({doubles("f", {1, 2}, {1.0, 2.0}),
+                            structures("log", {1, count}, {"a", "b", "c", "d"}, values),
+                            doubles("H", {2, 1}, {1.0, 2.0}, {3.0, 4.0})}));
+  const auto read = read_frf(file.path);
+  EXPECT_EQ(read.set.value[1](0, 0), std::complex<double>(2.0, 4.0));
+  EXPECT_EQ(std::ranges::count(read.notes, "the variable log is not read"), 1);
 }
 
 }  // namespace

@@ -12,7 +12,9 @@
 
 #include "io/frf_file.h"
 #include "io/mat.h"
+#include "io/recordings_file.h"
 #include "tests/io/measured/frf_samples.h"
+#include "tests/refusal.h"
 
 namespace chladni::io {
 namespace {
@@ -163,6 +165,33 @@ TEST_F(MatHdf5, WhatIsWrittenIsHdf5AsMatlabReadsIt) {
   H5Tclose(type);
   for (const hid_t dataset : {first, second, third, text}) H5Dclose(dataset);
   H5Fclose(hdf5);
+}
+
+// A dataset whose chunks were never written is zeros of any number, and all went to the disk.
+TEST_F(MatHdf5, RecordingsThatAreNotInTheFileAreRefused) {
+  const TemporaryFile file("hollow.mat");
+  {
+    const hid_t list = H5Pcreate(H5P_FILE_CREATE);
+    H5Pset_userblock(list, kHead);
+    const hid_t out = H5Fcreate(file.path.c_str(), H5F_ACC_TRUNC, list, H5P_DEFAULT);
+    const Sizes sizes{2000, 20000}, chunk{100, 1000};
+    const hid_t space = H5Screate_simple(2, sizes.data(), nullptr);
+    const hid_t how = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_chunk(how, 2, chunk.data());
+    const hid_t y = H5Dcreate2(out, "y", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, how, H5P_DEFAULT);
+    set_class(y, "double");
+    const double step = 0.5;
+    H5Dclose(written(out, "Ts", H5T_NATIVE_DOUBLE, {1, 1}, &step, "double"));
+    H5Dclose(y);
+    H5Pclose(how);
+    H5Sclose(space);
+    H5Fclose(out);
+    H5Pclose(list);
+  }
+  write_head(file.path);
+  const auto said =
+      refusal_of([&] { return read_in_pieces(file.path, {.limit_bytes = std::size_t{1} << 24U}); });
+  EXPECT_NE(said.find("says that it holds 3.2e+08 bytes of samples"), said.npos) << said;
 }
 
 }  // namespace

@@ -355,13 +355,16 @@ TEST_F(RecordingsInPieces, AShortageOfTheMachineIsNoFaultOfTheFile) {
   ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
 }
 
-// What has no periods is read as a whole, however large it is.
-TEST_F(RecordingsInPieces, AreNotBlowsOfAHammer) {
+// What has no periods is read so only where that is asked for.
+TEST_F(RecordingsInPieces, AreBlowsOfAHammerWhereThatIsAskedFor) {
   auto blows = recorded(2, 8);
   blows.period = 0;
-  const auto file = write(time_csv(blows));
+  const auto text = time_csv(blows);
+  const auto file = write(text);
   EXPECT_FALSE(is_read_in_pieces(file, {.limit_bytes = 1}));
   EXPECT_TRUE(is_read_in_pieces(file, {.period = 4, .limit_bytes = 1}));
+  EXPECT_TRUE(is_read_in_pieces(file, {.limit_bytes = 1, .blows_in_pieces = true}));
+  expect_same(read_in_pieces(file), parse_time_csv(text, ""));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "tests/refusal.h"
 
 namespace chladni::io {
 namespace {
@@ -114,6 +115,35 @@ INSTANTIATE_TEST_SUITE_P(
                     BrokenTable{"frequency_hz,s1\n1,1e200\n", "line 2: s1: found"},
                     BrokenTable{"\xFF\xFE", "UTF-16"},
                     BrokenTable{"frequency_hz,\"s1\n1,2\n", "quote"}));
+
+// A negative damping ratio was none, a shape without a value had a MAC of 0, and a mode that was
+// there twice was a second mode.
+TEST(ShapeTable, ModesThatNoMeasurementGivesAreRefused) {
+  const auto said = [](const std::string& lines, ShapesStated stated = ShapesStated::partly) {
+    const std::string head = "frequency_hz,damping_ratio,s1,s2\n";
+    return refusal_of([&] { return parse_shapes(head + lines, "t.csv", stated); });
+  };
+  EXPECT_NE(said("5,-0.02,1,2\n").find("line 2: damping_ratio is -0.02; expected 0 or more"),
+            std::string::npos);
+  EXPECT_NE(said("5,0.01,0,0\n").find("line 2: all values of the shape are 0"), std::string::npos);
+  EXPECT_NE(said("5,0.01,1,2\n6,0,1,2\n5,0.02,1,2\n").find("line 4: the mode repeats mode 1"),
+            std::string::npos);
+  EXPECT_NE(said("5,0.01,,2\n5,0.02,,2\n").find("repeats mode 1"), std::string::npos);
+  for (const auto* sound : {"5,0,1,0\n", "5,,0,\n", "5,0,1,2\n5,0,2,1\n", "5,,,\n5,,,\n"}) {
+    EXPECT_EQ(said(sound), "") << sound;
+  }
+  EXPECT_EQ(said("5,-0.02,0,0\n5,-0.02,0,0\n", ShapesStated::all), "");
+}
+
+// All modes of one frequency were compared with each other.
+TEST(ShapeTable, ManyModesOfOneFrequencyAreReadInTime) {
+  std::string bytes = "frequency_hz,s1\n";
+  for (int mode = 0; mode < 99'999; ++mode) bytes += "5," + std::to_string(mode + 1) + "\n";
+  EXPECT_EQ(parse_shapes(bytes, "t.csv", ShapesStated::partly).values.cols(), 99'999);
+  const auto said =
+      refusal_of([&] { return parse_shapes(bytes + "5,7\n", "t.csv", ShapesStated::partly); });
+  EXPECT_NE(said.find("line 100001: the mode repeats mode 7"), said.npos) << said;
+}
 
 }  // namespace
 }  // namespace chladni::io

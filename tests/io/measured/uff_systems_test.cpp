@@ -325,5 +325,44 @@ TEST(UffAbscissa, TimesBecomeSeconds) {
   EXPECT_EQ(times(with("samples").notes, "of the abscissa is not known"), 1);
 }
 
+// A rotation has no unit of length, but its system had a fault where the unit was another one.
+TEST(UffSystems, InAnotherUnitOfLengthAreScaled) {
+  const Matrix3d axes = turn();
+  const Vector3d origin(100.0, 200.0, -300.0);  // [mm]
+  const auto of_18 = dataset("18", system_18(5, 0, 0, origin, origin + 20.0 * axes.col(0),
+                                             origin + 5.0 * axes.col(0) + 30.0 * axes.col(2)));
+  const auto of_2420 = dataset("2420", system_2420(5, 0, axes.transpose(), origin));
+  const auto node = dataset("15", node_15(12, 5, 5, Vector3d(1.0, 2.0, 3.0)));
+  for (const auto& system : {of_18, of_2420}) {
+    const auto file = read(dataset_164(1000.0, 1.0) + system + dataset_164(1.0, 1.0) + node);
+    EXPECT_LT((file.set.outputs[0].direction - axes.col(2)).norm(), 2e-5);
+    const Vector3d place = 1e-3 * origin + axes * Vector3d(1.0, 2.0, 3.0);
+    EXPECT_LT((*file.set.outputs[0].position - place).norm(), 1e-4);
+    const auto again = read(dataset("2420", system_2420(5, 0, axes.transpose(), 1e-3 * origin)) +
+                            dataset_164(1000.0, 1.0) + of_2420 + node);
+    EXPECT_EQ(times(again.notes, "defined twice"), 0) << testing::PrintToString(again.notes);
+  }
+}
+
+// What comes before the fault of a dataset kept the lengths of another unit.
+TEST(UffSystems, InAnotherUnitBeforeAFaultAreScaled) {
+  const auto broken =
+      dataset("18", system_18(5, 0, 0, Vector3d(100.0, 0.0, 0.0), Vector3d(101.0, 0.0, 0.0),
+                              Vector3d(100.0, 0.0, 1.0)) +
+                        "no system\n");
+  const auto file = read(dataset_164(1000.0, 1.0) + broken + dataset_164(1.0, 1.0) +
+                         dataset("15", node_15(12, 5, 5, Vector3d::Zero())));
+  EXPECT_LT((*file.set.outputs[0].position - Vector3d(0.1, 0.0, 0.0)).norm(), 1e-9);
+}
+
+// There was a note for each of them.
+TEST(UffSystems, NodesThatAreLeftOutHaveOneNote) {
+  std::string nodes;
+  for (int node = 12; node < 112; ++node) nodes += node_15(node, 5, 0, Vector3d::Ones());
+  const auto file = read(dataset_164(1000.0, 1.0) + dataset("15", nodes));
+  EXPECT_EQ(times(file.notes, "and 94 more are placed in a coordinate system"), 1)
+      << testing::PrintToString(file.notes);
+}
+
 }  // namespace
 }  // namespace chladni::io

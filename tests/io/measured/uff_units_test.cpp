@@ -108,5 +108,24 @@ TEST(UffUnits, OfAForceBesideTheMotionCount) {
   EXPECT_NEAR(with("m/s^2/N", "NONE").set.value[0](0, 0).real(), 1.5, 1e-9);
 }
 
+// The kilonewton in the unit of the response was taken off again by the denominator.
+TEST(UffUnits, OfAMotionOverAForceInOneWordCountOnce) {
+  const auto with = [](const std::string& unit, const std::string& input_unit) {
+    Sample58 sample;
+    sample.unit = unit;
+    sample.input_unit = input_unit;
+    return parse_frf_uff(dataset_58(sample), "t.uff");
+  };
+  for (const auto* input : {"kN", "NONE", "N"}) {
+    const auto file = with("m/(s^2*kN)", input);
+    EXPECT_NEAR(file.set.value[0](0, 0).real(), 1.5e-3, 1e-12) << input;
+    EXPECT_EQ(file.set.inputs[0].unit, "N") << input;
+    EXPECT_TRUE(file.notes.empty()) << testing::PrintToString(file.notes);
+  }
+  const auto contradicting = with("m/(s^2*N)", "lbf");
+  EXPECT_NEAR(contradicting.set.value[0](0, 0).real(), 1.5, 1e-9);
+  EXPECT_EQ(times(contradicting.notes, "that of the response is taken"), 1);
+}
+
 }  // namespace
 }  // namespace chladni::io
