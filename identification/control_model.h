@@ -11,7 +11,8 @@
 
 namespace chladni::identification {
 
-/// From the actuators to the sensors, each in its own quantity. Delays of outputs are output
+/// From the actuators to the sensors, each in its own quantity; a displacement whose file states no
+/// unit has none. Delays of outputs are output
 /// delays, others input delays; a delay below 0 is left out, because no model looks ahead. With
 /// real shapes the states are modal coordinates of mass-normalised shapes, in the scale of `match`:
 /// C(ρ) at a place is φ(ρ) over the scale of the positions. The responses are those of the fit:

@@ -89,11 +89,16 @@ struct ModeMatch {
 [[nodiscard]] bool contradicted(const ModeMatch& mode);
 
 /// Gain of the sensor over the gain of the actuator, up to one factor for all pairs
-/// (their mean ln is 0).
+/// (their mean ln is 0). Where no mode compares some pairs with the others, such as pairs of parts
+/// of the channels that no response connects, the mean ln is 0 in each part by itself.
 struct PairGain {
-  double ratio = 1.0, ratio_std = 0.0;  ///< infinite where no mode tells it beside other pairs
+  /// The deviation is infinite where the ratio to all told pairs is not known: no mode tells it
+  /// beside other pairs, or the told pairs are in several parts.
+  double ratio = 1.0, ratio_std = 0.0;
   bool turned = false;     ///< one of the two has the opposite direction to the other pairs
   Eigen::Index modes = 0;  ///< modes that give the ratio; without any, or of one pair, it is 1
+  Eigen::Index part = 0;   ///< modes compare it with pairs of the same number, if any tells it
+  double part_std = 0.0;   ///< deviation of the ratio to the pairs of its part, where it has modes
 };
 
 /// A row of the extended output matrix.
@@ -121,8 +126,17 @@ struct GainMatch {
   /// real shapes. The phase between both sides is the one at which the pairs agree.
   Eigen::MatrixXd imaginary, imaginary_deviation, input_imaginary;
   std::optional<RigidBody> rigid;  ///< from the modes at 0 Hz, where the geometry is given
+  /// −1: as a whole the actuators count against the sensors. Shapes and residual are along the
+  /// stated directions; the responses that were measured are then those of their opposite.
+  int side = 1;
   std::vector<std::string> warnings;
 };
+
+/// The input shapes with the signs of the data, m×q: the shapes at the sensors times these are the
+/// measured residues, also where actuators count against their directions.
+[[nodiscard]] Eigen::MatrixXd driving_shapes(const GainMatch& match);
+/// Their imaginary parts; empty for real shapes.
+[[nodiscard]] Eigen::MatrixXd driving_imaginary(const GainMatch& match);
 
 /// @param outputs, inputs  the channels, for their names
 /// Cost: (p + q)² per mode and block.
@@ -132,7 +146,11 @@ struct GainMatch {
                                    const std::vector<modal::MeasuredChannel>& inputs,
                                    const GainMatchOptions& options);
 
-/// The modal model from the actuators to all n_z places. Its residual is known only at the sensors.
+/// The modal model from the actuators, along their directions, to all n_z places. Its residual is
+/// known only at the sensors.
 [[nodiscard]] modal::ReducedModel extended_model(const ModalFit& fit, const GainMatch& match);
+
+/// The same from the actuators as they act: it has the signs of the measured responses.
+[[nodiscard]] modal::ReducedModel driven_model(const ModalFit& fit, const GainMatch& match);
 
 }  // namespace chladni::identification

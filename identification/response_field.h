@@ -22,6 +22,15 @@ namespace chladni::identification {
 [[nodiscard]] std::vector<Eigen::Index> modes_with_scale(const ModalFit& fit,
                                                          const GainMatch& match);
 
+/// The measured rows at which a mode above 0 Hz that has a scale is not known: those of parts of
+/// the channels that no response connects with the part that sees the mode best. None of a mode
+/// without a scale.
+[[nodiscard]] std::vector<Eigen::Index> rows_without(const ModalFit& fit, const GainMatch& match,
+                                                     Eigen::Index mode);
+
+/// Why no mode is left for predictions between the channels, and what helps.
+[[nodiscard]] std::string why_none_has_scale(const ModalFit& fit, const GainMatch& match);
+
 /// The shapes of those modes at those rows of the match. Their noise has the deviation of the fit
 /// and what the two sides of the pairs still differ by: errors of gains, places and neighbours,
 /// which the fit does not know.

@@ -13,7 +13,8 @@ namespace chladni::identification {
 struct PlacesOfInterest {
   Eigen::MatrixXd shapes;     ///< n×m [kg^-1/2], of the same scale as GainMatch::shapes
   Eigen::MatrixXd deviation;  ///< n×m: standard deviations; infinite or NaN: not known
-  Eigen::MatrixXd residual;   ///< n×q: of the modes above the band; zero where it is not known
+  /// n×q: of the modes above the band, with the signs of the data; zero where it is not known
+  Eigen::MatrixXd residual;
   /// n×m, of complex shapes (general damping); empty of real ones
   Eigen::MatrixXd imaginary = {}, imaginary_deviation = {};
   Eigen::MatrixXd residual_deviation = {};  ///< n×q: standard deviations; empty: 0
@@ -32,15 +33,19 @@ struct PredictedResponses {
   std::vector<Eigen::MatrixXd> deviation;
 };
 
-/// With general damping the response has the form of ComplexShapes.
-/// Cost: k n q m.
+/// The signs are those of the measured responses (driving_shapes). With general damping the
+/// response has the form of ComplexShapes. Cost: k n q m.
 /// @throws InvalidInput  sizes differ; 0 Hz with rigid-body modes
 [[nodiscard]] PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
                                            const PlacesOfInterest& places,
                                            const Eigen::VectorXd& frequency_hz);
 
-/// The model from the actuators to the places, without the delay. Complex shapes enter
-/// with their real parts.
+/// q [s]: by how much the responses to each actuator are late at a place without a sensor: delays
+/// of outputs enter by their mean.
+[[nodiscard]] Eigen::VectorXd input_delays(const ModalFit& fit);
+
+/// The model from the actuators to the places, without the delays (input_delays). Complex shapes
+/// enter with their real parts.
 [[nodiscard]] modal::ReducedModel model_at(const ModalFit& fit, const GainMatch& match,
                                            const PlacesOfInterest& places);
 

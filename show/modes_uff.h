@@ -17,6 +17,8 @@ namespace chladni::show {
 /// channel has its `node`; channels at one place (within 1e-9 m) share a node, and channels without
 /// one get the lowest free numbers in their order. The motion of a node with fewer than three
 /// directions is the shortest that its channels see; of more channels, the one of least squares.
+/// A mode has no record of a node where it does not know the motion along one of its channels. A
+/// mode without a scale between both sides is known at the sensors alone.
 [[nodiscard]] io::UffModes channel_modes_uff(const study::Study& study,
                                              const steps::IdentifiedModel& model);
 
@@ -28,8 +30,7 @@ namespace chladni::show {
 /// Writes modes.unv, identified.unv or mode_field.unv where the study asks for it; else one of an
 /// earlier run is removed. @throws as io::modes_uff and write_atomically
 void leave_modes_uff(const study::Study& study, const stage::Solution& solution, const Run& run);
-void leave_modes_uff(const study::Study& study, const steps::IdentifiedModel& model,
-                     const Run& run);
+void leave_modes_uff(const study::Study& study, const steps::IdentifiedModel& model, Run& run);
 void leave_modes_uff(const study::Study& study, const steps::Interpolated& result, const Run& run);
 
 }  // namespace chladni::show

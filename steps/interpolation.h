@@ -101,6 +101,10 @@ using OnIdentified = std::function<void(const IdentifiedModel& model)>;
                                                                   const priors::Places& places,
                                                                   const priors::Field& field);
 
+/// The measured shapes that a held-out channel is scored by: those of modes beyond the lines of the
+/// fit are not known one by one. All of a table.
+[[nodiscard]] std::vector<Eigen::Index> scored_modes(const Measured& measured);
+
 /// The shapes with all actuator rows changed by one standard deviation of the scale between them
 /// and the sensor rows; none if no scale is uncertain.
 [[nodiscard]] std::optional<priors::MeasuredShapes> with_scale_off(const Measured& measured);

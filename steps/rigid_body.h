@@ -19,7 +19,9 @@ struct RigidBodyOfChannels {
   Eigen::Vector3d about;        ///< point of moments and displacements [m]
   bool up_to_a_factor = false;  ///< mass and inertia: the file states no unit of a sensor
   identification::Decoupling sensors, actuators;  ///< about `about`
-  std::vector<std::string> notes;                 ///< what is missing and why, a sentence each
+  /// Names of the channels that the matrices have columns and rows for.
+  std::vector<std::string> sensor_names, actuator_names;
+  std::vector<std::string> notes;  ///< what is missing and why, a sentence each
 };
 
 /// None if a channel has no place or direction.

@@ -48,6 +48,11 @@ modal::ControlModel control_model(const ModalFit& fit, const GainMatch& match,
   } else {
     model = modal::control_model(in_scale_of(match, fit.model), rows, columns);
   }
+  for (std::size_t i = 0; i < outputs.size(); ++i) {  // as they stand in the file
+    const bool is_stated =
+        !outputs[i].unit.empty() || outputs[i].kind != modal::FrfKind::receptance;
+    if (!is_stated) model.outputs[i].unit.clear();
+  }
   set_delays(fit, model);
   return model;
 }

@@ -56,9 +56,10 @@ Eigen::VectorXd delays(const ModalFit& fit, Eigen::Index count, bool own) {
 modal::ReducedModel in_scale_of(const GainMatch& match, modal::ReducedModel model) {
   auto& outputs = model.output_shapes;
   auto& inputs = model.input_shapes;
-  change(0, model.rigid_count, match.input_shapes, outputs, inputs);
+  const Eigen::MatrixXd matched = driving_shapes(match);
+  change(0, model.rigid_count, matched, outputs, inputs);
   for (auto m = model.rigid_count; m < model.mode_count(); ++m) {
-    change(m, 1, match.input_shapes, outputs, inputs);
+    change(m, 1, matched, outputs, inputs);
   }
   if (model.residual.size() == 0) {
     model.residual.setZero(model.output_count(), model.input_count());
@@ -74,12 +75,13 @@ ComplexShapes in_scale_of(const GainMatch& match, const ModalFit& fit,
   scaled.inputs = shapes.inputs;
   Eigen::MatrixXd outputs = shapes.outputs.real();
   Eigen::MatrixXd inputs = shapes.inputs.real();
-  change(0, rigid, match.input_shapes, outputs, inputs);
+  const Eigen::MatrixXd real = driving_shapes(match);
+  change(0, rigid, real, outputs, inputs);
   scaled.outputs.leftCols(rigid) = outputs.leftCols(rigid).cast<std::complex<double>>();
   scaled.inputs.topRows(rigid) = inputs.topRows(rigid).cast<std::complex<double>>();
   const Eigen::MatrixXcd matched =
-      match.input_shapes.cast<std::complex<double>>() +
-      std::complex<double>(0.0, 1.0) * match.input_imaginary.cast<std::complex<double>>();
+      real.cast<std::complex<double>>() +
+      std::complex<double>(0.0, 1.0) * driving_imaginary(match).cast<std::complex<double>>();
   for (auto m = rigid; m < fit.model.mode_count(); ++m) {
     change(m, 1, matched, scaled.outputs, scaled.inputs);
   }

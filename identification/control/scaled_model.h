@@ -9,8 +9,9 @@
 
 namespace chladni::identification {
 
-/// L T and T⁻¹ R with the T that brings R next to the matched input shapes: a number for each mode,
-/// a matrix for all modes at 0 Hz together. The responses stay those of the fit.
+/// L T and T⁻¹ R with the T that brings R next to the matched input shapes with the signs of the
+/// data (driving_shapes), so that the outputs are next to the matched shapes: a number for each
+/// mode, a matrix for all modes at 0 Hz together. The responses stay those of the fit.
 [[nodiscard]] modal::ReducedModel in_scale_of(const GainMatch& match, modal::ReducedModel model);
 
 /// The same for complex shapes: T is complex there, for each mode above 0 Hz.

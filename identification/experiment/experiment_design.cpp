@@ -224,15 +224,55 @@ ShapeProblem problem_of(const DesignModel& model, const DesignPlan& plan, const 
   return problem;
 }
 
-// Periods until what is left of the start is small, at the slowest mode.
-Eigen::Index settling(const modal::ReducedModel& model, double period_s) {
+// Part of a mode's steady motion that is off at a time after the rise of a force that begins at 0,
+// half a cosine: ∫ ṙ(s) e^{−σ(t − s)} ds.
+double left_of_start(double decay, double rise_s, double time_s) {
+  const double turn = std::numbers::pi / rise_s;
+  return 0.5 * turn * turn * (std::exp(-decay * time_s) + std::exp(-decay * (time_s - rise_s))) /
+         (decay * decay + turn * turn);
+}
+
+// The least decay of a damped mode above 0 Hz [1/s]; 1e300: there is none.
+double slowest_decay(const modal::ReducedModel& model) {
   double slowest = 1e300;
   for (Eigen::Index k = model.rigid_count; k < model.mode_count(); ++k) {
     const double decay = kTwoPi * model.damping_ratio(k) * model.frequency_hz(k);
     if (decay > 0.0) slowest = std::min(slowest, decay);
   }
-  const double periods = std::ceil(-std::log(kSettled) / (slowest * period_s));
-  return std::clamp<Eigen::Index>(static_cast<Eigen::Index>(periods), 1, kLongestSettle);
+  return slowest;
+}
+
+// Periods until what is left of the start is small, at the slowest mode.
+Eigen::Index settling(double slowest, double period_s, double rise_s) {
+  const double periods = std::max(1.0, std::ceil(-std::log(kSettled) / (slowest * period_s)));
+  const bool is_late = left_of_start(slowest, rise_s, periods * period_s) > kSettled;
+  return static_cast<Eigen::Index>(
+      std::min(periods + (is_late ? 1.0 : 0.0), static_cast<double>(kLongestSettle)));
+}
+
+// The force rises over half a period, or over a quarter where that saves a period.
+void set_start(const modal::ReducedModel& model, ExperimentDesign& design) {
+  const double slowest = slowest_decay(model);
+  const double period = design.period_s();
+  const auto slow = settling(slowest, period, 0.5 * period);
+  const auto fast = settling(slowest, period, 0.25 * period);
+  design.settle = std::min(slow, fast);
+  design.ramp = design.period / (fast < slow ? 4 : 2);
+  const double time = static_cast<double>(design.settle) * period;
+  const double rise = static_cast<double>(design.ramp) * design.sample_time_s;
+  if (const double left = left_of_start(slowest, rise, time); left > kSettled) {
+    design.notes.push_back(
+        fmt::format("after {} periods {:.2g} of the start is left of the slowest mode, whose "
+                    "amplitude decays to 1/e in {:.3g} s",
+                    design.settle, left, 1.0 / slowest));
+  }
+  for (Eigen::Index k = model.rigid_count; k < model.mode_count(); ++k) {
+    if (model.damping_ratio(k) > 0.0) continue;
+    design.notes.push_back(
+        fmt::format("the mode at {:.4g} Hz has no damping: what the start leaves of it never "
+                    "settles",
+                    model.frequency_hz(k)));
+  }
 }
 
 void set_signals(const DesignModel& model, const DesignPlan& plan, const DesignLines& lines,
@@ -323,8 +363,7 @@ ExperimentDesign experiment_design(const DesignModel& stated, const DesignPlan& 
   const double of_one = design.period_s() * static_cast<double>(model.model.input_count());
   design.flat_seconds = worst_of(all.front().needed, within_reach) * of_one;
   design.shaped_seconds = worst_of(best->needed, within_reach) * of_one;
-  design.settle = settling(model.model, design.period_s());
-  design.ramp = period / 2;
+  set_start(model.model, design);
   tell(progress, "expected deviations");
   set_expected_quality({.model = model,
                         .plan = plan,

@@ -165,6 +165,11 @@ priors::Places rows_of(const GainMatch& match, const priors::Places& outputs,
   return places;
 }
 
+bool has_scale(const GainMatch& match, Eigen::Index m) {
+  const auto& mode = match.modes[static_cast<std::size_t>(m)];
+  return mode.by != MatchedBy::nothing && std::isfinite(mode.alpha_std);
+}
+
 void require_places(const modal::FrfSet& responses, const priors::Simulation& simulation,
                     const priors::Places& outputs, const priors::Places& inputs) {
   const auto modes = simulation.mode_count();
@@ -197,11 +202,31 @@ std::vector<Eigen::Index> modes_with_scale(const ModalFit& fit, const GainMatch&
   const auto rows = measured_rows(fit, match);
   std::vector<Eigen::Index> modes;
   for (auto m = fit.model.rigid_count; m < fit.model.mode_count() && !rows.empty(); ++m) {
-    const auto& mode = match.modes[static_cast<std::size_t>(m)];
-    const bool is_scaled = mode.by != MatchedBy::nothing && std::isfinite(mode.alpha_std);
-    if (is_scaled && match.deviation.col(m)(rows).allFinite()) modes.push_back(m);
+    if (has_scale(match, m) && match.deviation.col(m)(rows).allFinite()) modes.push_back(m);
   }
   return modes;
+}
+
+std::vector<Eigen::Index> rows_without(const ModalFit& fit, const GainMatch& match,
+                                       Eigen::Index mode) {
+  std::vector<Eigen::Index> rows;
+  if (!has_scale(match, mode)) return rows;
+  for (const auto row : measured_rows(fit, match)) {
+    if (!std::isfinite(match.deviation(row, mode))) rows.push_back(row);
+  }
+  return rows;
+}
+
+std::string why_none_has_scale(const ModalFit& fit, const GainMatch& match) {
+  for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
+    if (rows_without(fit, match, m).empty()) continue;
+    return "no identified mode is known at all channels; where these are in parts without a "
+           "response "
+           "between them, each mode is known in one part: measure one response between the "
+           "parts, or predict from one of them alone";
+  }
+  return "no identified mode has a known scale: name a pair of a sensor and an actuator at one "
+         "place (identification.pair of a study)";
 }
 
 priors::MeasuredShapes measured_shapes(const ModalFit& fit, const ChannelGains& gains,
@@ -244,14 +269,17 @@ double gain_deviation(const ChannelGains& gains) {
   double square = 0.0;
   double excess = 0.0;
   double telling = 0.0;
+  double parts = 1.0;
   for (const auto& pair : pairs) {
     if (pair.modes == 0) continue;  // it says nothing
     telling += 1.0;
     const double ratio = std::log(pair.ratio);
+    const double deviation = std::isfinite(pair.ratio_std) ? pair.ratio_std : pair.part_std;
     square += ratio * ratio;
-    excess = std::max(excess, std::abs(ratio) - kBeyond * pair.ratio_std);
+    excess = std::max(excess, std::abs(ratio) - kBeyond * deviation);
+    parts = std::max(parts, static_cast<double>(pair.part + 1));
   }
-  const double known = telling - 1.0;
+  const double known = telling - parts;  // the mean of each part is 0
   if (known < 1.0) return gains.corrects_gains ? kLevel : 0.0;
   if (gains.corrects_gains) square += kWorth * kLevel * kLevel;
   if (!gains.corrects_gains && excess <= 0.0) return 0.0;
@@ -273,10 +301,10 @@ PlacesOfInterest places_of_interest(const ModalFit& fit, const ChannelGains& gai
                                     const priors::Field& field) {
   const auto& match = gains.match;
   const auto m = fit.model.mode_count();
-  PlacesOfInterest interest{
-      Eigen::MatrixXd::Zero(places.count(), m),
-      sizes_at_channels(fit, match).transpose().replicate(places.count(), 1),
-      residual_factor(match, simulation) * flexibility_above(simulation, places.shapes)};
+  PlacesOfInterest interest{Eigen::MatrixXd::Zero(places.count(), m),
+                            sizes_at_channels(fit, match).transpose().replicate(places.count(), 1),
+                            match.side * residual_factor(match, simulation) *
+                                flexibility_above(simulation, places.shapes)};
   interest.shapes(Eigen::all, modes) = field.mean;
   interest.deviation(Eigen::all, modes) = field.deviation;
   interest.residual_deviation =
@@ -318,9 +346,7 @@ ResponseField response_field(const modal::FrfSet& responses, const priors::Simul
   const auto rows = rows_of(result.gains_.match, outputs, inputs);
   result.simulation_ = {channels, rows.shapes, data.frequency_hz(data.line_count() - 1)};
   result.modes_ = modes_with_scale(result.fit_, result.gains_.match);
-  require(!result.modes_.empty(),
-          "no identified mode has a known scale: name a pair of a sensor "
-          "and an actuator at one place");
+  require(!result.modes_.empty(), why_none_has_scale(result.fit_, result.gains_.match));
   result.shapes_ = measured_shapes(result.fit_, result.gains_, rows);
   const auto& method = priors::interpolator(plan.method);
   result.field_ = priors::mode_field(method, result.shapes_, simulation);

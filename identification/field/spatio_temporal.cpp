@@ -70,13 +70,13 @@ struct ModeSpread {
   Eigen::MatrixX2d mixed;    // q×2: covariances with ω and ζ
 };
 
-ModeSpread spread(const ModalFit& fit, const GainMatch& match, Eigen::Index m) {
+ModeSpread spread(const ModalFit& fit, const Eigen::MatrixXd& inputs, Eigen::Index m) {
   const auto p = fit.model.output_count();
   const auto q = fit.model.input_count();
   const auto& all = fit.mode_covariance[static_cast<std::size_t>(m)];
   const auto& fitted = fit.model.input_shapes.row(m);
   const double square = fitted.squaredNorm();
-  const double gain = square > 0.0 ? match.input_shapes.row(m).dot(fitted) / square : 1.0;
+  const double gain = square > 0.0 ? inputs.row(m).dot(fitted) / square : 1.0;
   ModeSpread result;
   result.pole = all.topLeftCorner<2, 2>();
   result.input = gain * gain * all.diagonal().tail(q).transpose();
@@ -84,10 +84,9 @@ ModeSpread spread(const ModalFit& fit, const GainMatch& match, Eigen::Index m) {
   return result;
 }
 
-// Delay per actuator for a place without a sensor: delays of outputs enter only by their mean.
-Eigen::VectorXd input_delays(const ModalFit& fit) {
-  Eigen::VectorXd all = Eigen::VectorXd::Constant(fit.model.input_count(), fit.delay_s);
-  if (fit.delay_of == DelayOf::inputs) all += fit.channel_delay_s;
+std::vector<ModeSpread> spreads_of(const ModalFit& fit, const Eigen::MatrixXd& inputs) {
+  std::vector<ModeSpread> all;
+  for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) all.push_back(spread(fit, inputs, m));
   return all;
 }
 
@@ -185,11 +184,11 @@ Eigen::MatrixXcd row_columns(const Resonances& h, const GainMatch& match, Eigen:
       Eigen::MatrixXcd::Zero(h.whole.rows(), shapes + match.input_shapes.cols());
   columns.col(shapes + j).setOnes();
   if (!complex) {
-    columns.leftCols(m) = h.whole * match.input_shapes.col(j).asDiagonal();
+    columns.leftCols(m) = h.whole * driving_shapes(match).col(j).asDiagonal();
     return columns;
   }
-  const Eigen::VectorXcd r =
-      match.input_shapes.col(j).cast<Complex>() + Complex(0.0, 1.0) * match.input_imaginary.col(j);
+  const Eigen::VectorXcd r = driving_shapes(match).col(j).cast<Complex>() +
+                             Complex(0.0, 1.0) * driving_imaginary(match).col(j);
   const Eigen::MatrixXcd with = h.half * r.asDiagonal();
   const Eigen::MatrixXcd against = (h.whole - h.half) * r.conjugate().asDiagonal();
   columns.leftCols(m) = with + against;
@@ -206,9 +205,9 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
   require(model.rigid_count == 0 || frequency_hz.minCoeff() > 0.0,
           "predicted responses: a free body has no response at 0 Hz; leave that line out");
   const auto n = places.shapes.rows();
-  const auto q = match.input_shapes.cols();
-  std::vector<ModeSpread> spreads;
-  for (Eigen::Index m = 0; m < model.mode_count(); ++m) spreads.push_back(spread(fit, match, m));
+  const Eigen::MatrixXd inputs = driving_shapes(match);
+  const auto spreads = spreads_of(fit, inputs);
+  const auto q = inputs.cols();
   PredictedResponses result;
   const auto delay = input_delays(fit);
   const Eigen::RowVectorXd late = delay_variance(fit).transpose();
@@ -222,7 +221,7 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
     if (model.rigid_count > 0) variance += rigid / std::pow(omega, 4);
     for (Eigen::Index m = 0; m < model.mode_count(); ++m) {
       const auto h = resonance(kTwoPi * model.frequency_hz(m), model.damping_ratio(m), omega);
-      const auto& input = match.input_shapes.row(m);
+      const Eigen::RowVectorXd input = inputs.row(m);
       if (!fit.complex) value += h.value * (places.shapes.col(m) * input).cast<Complex>();
       if (m < model.rigid_count) continue;
       variance += places.shapes.col(m).cwiseAbs2() *
@@ -243,12 +242,18 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
   return result;
 }
 
+Eigen::VectorXd input_delays(const ModalFit& fit) {
+  Eigen::VectorXd all = Eigen::VectorXd::Constant(fit.model.input_count(), fit.delay_s);
+  if (fit.delay_of == DelayOf::inputs) all += fit.channel_delay_s;
+  return all;
+}
+
 modal::ReducedModel model_at(const ModalFit& fit, const GainMatch& match,
                              const PlacesOfInterest& places) {
   check(fit, match, places);
   modal::ReducedModel model = fit.model;
   model.output_shapes = places.shapes;
-  model.input_shapes = match.input_shapes;
+  model.input_shapes = driving_shapes(match);
   model.residual = places.residual;
   return model;
 }
@@ -256,7 +261,8 @@ modal::ReducedModel model_at(const ModalFit& fit, const GainMatch& match,
 ComplexShapes complex_shapes_at(const GainMatch& match, const PlacesOfInterest& places) {
   ComplexShapes shapes;
   shapes.outputs = places.shapes.cast<Complex>() + Complex(0.0, 1.0) * places.imaginary;
-  shapes.inputs = match.input_shapes.cast<Complex>() + Complex(0.0, 1.0) * match.input_imaginary;
+  shapes.inputs =
+      driving_shapes(match).cast<Complex>() + Complex(0.0, 1.0) * driving_imaginary(match);
   return shapes;
 }
 

@@ -95,17 +95,15 @@ void correct_gains(Matching& state) {
   const auto& options = state.options;
   if (options.fault == GainFault::nobody) return;
   const bool is_output = options.fault == GainFault::outputs;
-  const double scatter = gain_scatter(state.match.pairs);
+  const Eigen::VectorXd doubts = gain_doubts(state.match.pairs);
   for (std::size_t c = 0; c < options.pairs.size(); ++c) {
     const auto& pair = options.pairs[c];
     const auto& gain = state.match.pairs[c];
     scale_channel(state, is_output, is_output ? pair.output : pair.input,
                   is_output ? 1.0 / gain.ratio : gain.ratio);
     const auto row = static_cast<Eigen::Index>(c);
-    const bool is_told = std::isfinite(gain.ratio_std);
-    const double relative = is_told ? gain.ratio_std / gain.ratio : scatter;
     state.ratios.deviation.row(row) = (state.ratios.deviation.row(row).array().square() +
-                                       (relative * state.ratios.value.row(row).array()).square())
+                                       (doubts(row) * state.ratios.value.row(row).array()).square())
                                           .sqrt();
   }
 }
@@ -140,10 +138,15 @@ void find_signs(Matching& state) {
                      "against the sensors, but it may be this sensor or this actuator alone"
                : "all pairs are turned around: sensors and actuators count in opposite directions");
   } else if (!any) {
-    state.side = side_by_motion(state);
+    const auto told = side_by_motion(state);
+    state.side = told.side;
     if (state.side < 0) {
       state.match.warnings.emplace_back(
-          "the suspended modes say that sensors and actuators count in opposite directions");
+          told.by == ToldSide::at_zero
+              ? "the modes at 0 Hz say that sensors and actuators count in opposite directions: "
+                "the "
+                "mass of the body would be negative"
+              : "the suspended modes say that sensors and actuators count in opposite directions");
     }
   }
   for (Eigen::Index c = 0; c < n; ++c) {
@@ -154,39 +157,6 @@ void find_signs(Matching& state) {
                                    "its direction");
   }
   leave_out_contradictions(state);
-}
-
-void warn_of_gains(Matching& state, const Eigen::MatrixXd& left) {
-  for (std::size_t c = 0; c < state.match.pairs.size(); ++c) {
-    const auto& gain = state.match.pairs[c];
-    const auto row = static_cast<Eigen::Index>(c);
-    if (std::abs(gain.ratio - 1.0) > std::max(3.0 * gain.ratio_std, 1e-3)) {
-      state.match.warnings.push_back(fmt::format(
-          "{}: the sensor's gain over the actuator's is {:.4f} +- {:.4f} of that of "
-          "the pairs together{}",
-          state.pair_name(row), gain.ratio, gain.ratio_std,
-          state.options.fault == GainFault::nobody ? ", not corrected" : ", corrected"));
-    }
-    for (std::size_t g = 0; g < state.groups.size(); ++g) {
-      const double off = left(row, static_cast<Eigen::Index>(g));
-      if (std::abs(off) < 5.0) continue;
-      state.match.warnings.push_back(
-          fmt::format("{}: {} disagrees with the gains of the others by {:.1f} deviations; it is "
-                      "not one place, or the mode is blended with another",
-                      state.pair_name(row), state.mode_name(state.groups[g]), std::abs(off)));
-    }
-  }
-}
-
-void warn_of_disagreement(Matching& state) {
-  for (const auto& group : state.groups) {
-    const auto& told = state.match.modes[static_cast<std::size_t>(group.first)];
-    if (!contradicted(told)) continue;
-    state.match.warnings.push_back(fmt::format(
-        "{}: {} disagree by chi-square {:.3g} where {} is expected", state.mode_name(group),
-        told.by == MatchedBy::geometry ? "the places and a rigid motion" : "its pairs",
-        told.disagreement, told.freedoms));
-  }
 }
 
 void gather_rows(Matching& state) {
@@ -309,6 +279,15 @@ double distance_on_line(const modal::MeasuredChannel& output, const modal::Measu
   return (apart - line * line.dot(apart)).norm();
 }
 
+// The sign of each mode's input shapes over those of the fit, m.
+Eigen::VectorXd signs_of_modes(const GainMatch& match) {
+  Eigen::VectorXd signs = Eigen::VectorXd::Ones(match.input_shapes.rows());
+  for (std::size_t m = 0; m < match.modes.size(); ++m) {
+    signs(static_cast<Eigen::Index>(m)) = match.modes[m].sign;
+  }
+  return signs;
+}
+
 }  // namespace
 
 std::vector<CollocatedPair> collocated_pairs(const std::vector<modal::MeasuredChannel>& outputs,
@@ -373,11 +352,21 @@ GainMatch gain_match(const ModalFit& fit, const std::vector<modal::MeasuredChann
   for (std::size_t group = 0; group < state.groups.size(); ++group) match_group(state, group);
   warn_of_disagreement(state);
   mark_unknown(fit, state);
-  state.match.residual = sign_of_inputs(state) * state.fit.model.residual;
+  state.match.side = sign_of_inputs(state);
+  state.match.residual = state.match.side * state.fit.model.residual;
   state.match.residual_known = fit.residual_std.array().isFinite();
   gather_rows(state);
   add_imaginary_rows(state);
   return std::move(state.match);
+}
+
+Eigen::MatrixXd driving_shapes(const GainMatch& match) {
+  return match.input_shapes.array().colwise() * signs_of_modes(match).array();
+}
+
+Eigen::MatrixXd driving_imaginary(const GainMatch& match) {
+  if (match.input_imaginary.size() == 0) return {};
+  return match.input_imaginary.array().colwise() * signs_of_modes(match).array();
 }
 
 modal::ReducedModel extended_model(const ModalFit& fit, const GainMatch& match) {
@@ -386,6 +375,13 @@ modal::ReducedModel extended_model(const ModalFit& fit, const GainMatch& match) 
   model.input_shapes = match.input_shapes;
   model.residual = Eigen::MatrixXd::Zero(match.shapes.rows(), fit.model.input_count());
   if (match.residual.size() > 0) model.residual.topRows(match.residual.rows()) = match.residual;
+  return model;
+}
+
+modal::ReducedModel driven_model(const ModalFit& fit, const GainMatch& match) {
+  auto model = extended_model(fit, match);
+  model.input_shapes = driving_shapes(match);
+  model.residual *= match.side;
   return model;
 }
 

@@ -36,19 +36,6 @@ Ties ties_of(const Matching& state, std::size_t group) {
   return ties;
 }
 
-TwoSides sides_of(const Matching& state, std::size_t group) {
-  const auto mode = state.groups[group].first;
-  return {state.fit.model.output_shapes.col(mode),
-          state.side * state.fit.model.input_shapes.row(mode).transpose(),
-          [&] {
-            auto covariance = shape_covariance(state.fit, mode);
-            covariance.topRightCorner(state.p(), state.q()) *= state.side;
-            covariance.bottomLeftCorner(state.q(), state.p()) *= state.side;
-            return covariance;
-          }(),
-          ties_of(state, group)};
-}
-
 using Scaling = std::function<OneScale(const TwoSides&)>;
 
 // Scales the mode and computes the deviations of all results.
@@ -110,28 +97,18 @@ void leave_unmatched(Matching& state, const modal::ModeGroup& group) {
   }
 }
 
-// The scaled shapes of a block of g modes, p×g and g×q, from its L and R.
-struct Block {
-  Eigen::MatrixXd outputs, inputs;
-};
-using BlockScaling = std::function<Block(const Eigen::MatrixXd&, const Eigen::MatrixXd&)>;
+using BlockScaling = std::function<BlockSides(const Eigen::MatrixXd&, const Eigen::MatrixXd&)>;
 
 // One column for each mode of the block: L above, R below.
-Eigen::VectorXd columns_of(const Block& block) {
+Eigen::VectorXd columns_of(const BlockSides& block) {
   Eigen::MatrixXd columns(block.outputs.rows() + block.inputs.cols(), block.outputs.cols());
   columns << block.outputs, block.inputs.transpose();
   return columns.reshaped();
 }
 
-Block block_of(const Eigen::VectorXd& columns, Eigen::Index p, Eigen::Index g) {
+BlockSides block_of(const Eigen::VectorXd& columns, Eigen::Index p, Eigen::Index g) {
   const Eigen::MatrixXd both = columns.reshaped(columns.size() / g, g);
   return {both.topRows(p), both.bottomRows(both.rows() - p).transpose()};
-}
-
-// L and R of the fit, with the sign of the side.
-Block fitted_block(const Matching& state, const modal::ModeGroup& group) {
-  return {state.fit.model.output_shapes.middleCols(group.first, group.size),
-          state.side * state.fit.model.input_shapes.middleRows(group.first, group.size)};
 }
 
 void apply(Matching& state, const modal::ModeGroup& group, const BlockScaling& scaling,
@@ -170,7 +147,7 @@ void match_by_mass(Matching& state, const modal::ModeGroup& group) {
   auto body = body_of(fitted.outputs, fitted.inputs);
   const auto scaling = [&](const Eigen::MatrixXd& l, const Eigen::MatrixXd& r) {
     const auto modes = body_of(l, r).modes;
-    return Block{geometry.outputs * modes, (geometry.inputs * modes).transpose()};
+    return BlockSides{geometry.outputs * modes, (geometry.inputs * modes).transpose()};
   };
   apply(state, group, scaling, MatchedBy::geometry);
   const auto left = static_cast<double>(deviation.size() - g * (g + 1) / 2);
@@ -195,7 +172,7 @@ void match_block(Matching& state, std::size_t group) {
   const auto ties = ties_of(state, group);
   const auto scaling = [&](const Eigen::MatrixXd& l, const Eigen::MatrixXd& r) {
     const Eigen::MatrixXd turn = block_transformation(l, r, ties);
-    return Block{l * turn, turn.partialPivLu().solve(r)};
+    return BlockSides{l * turn, turn.partialPivLu().solve(r)};
   };
   apply(state, state.groups[group], scaling, MatchedBy::pairs);
 }
@@ -246,11 +223,6 @@ bool match_by_prior(Matching& state, std::size_t group) {
   told.alpha_std = told.alpha * relative;
   told.sign = state.side * found.sign;
   return true;
-}
-
-bool is_suspended(const Matching& state, Eigen::Index mode) {
-  return state.options.geometry && std::ranges::find(state.options.geometry->suspended, mode) !=
-                                       state.options.geometry->suspended.end();
 }
 
 // Adds the possible bending, a part of the shape's rms, to the deviations of rows that
@@ -330,9 +302,8 @@ bool goes_by_motion(const Matching& state, std::size_t group) {
 // @returns  whether the group was scaled; failures become warnings
 bool matched(Matching& state, std::size_t group) {
   const auto& modes = state.groups[group];
-  const bool at_zero = modes.first < state.fit.model.rigid_count;
   try {
-    if (at_zero && state.options.geometry && state.options.geometry->outputs.cols() == modes.size) {
+    if (tells_mass(state, modes)) {
       match_by_mass(state, modes);
       return true;
     }
@@ -353,43 +324,46 @@ bool matched(Matching& state, std::size_t group) {
     state.match.warnings.push_back(state.mode_name(modes) + ": " + failure.what());
     return false;
   }
-  state.match.warnings.push_back(state.mode_name(modes) +
-                                 (state.options.pairs.empty()
-                                      ? ": no collocated pair: not scaled"
-                                      : ": every pair is near a node of it: not scaled"));
+  state.match.warnings.push_back(
+      state.mode_name(modes) +
+      (state.options.pairs.empty()
+           ? ": no collocated pair: not scaled"
+           : ": every pair is near a node of it, or not known there: not scaled"));
   return false;
 }
 
 }  // namespace
 
-void match_group(Matching& state, std::size_t group) {
-  if (!matched(state, group)) leave_unmatched(state, state.groups[group]);
+TwoSides sides_of(const Matching& state, std::size_t group) {
+  const auto mode = state.groups[group].first;
+  return {state.fit.model.output_shapes.col(mode),
+          state.side * state.fit.model.input_shapes.row(mode).transpose(),
+          [&] {
+            auto covariance = shape_covariance(state.fit, mode);
+            covariance.topRightCorner(state.p(), state.q()) *= state.side;
+            covariance.bottomLeftCorner(state.q(), state.p()) *= state.side;
+            return covariance;
+          }(),
+          ties_of(state, group)};
 }
 
-int side_by_motion(const Matching& state) {
-  if (!state.options.geometry) return 1;
-  const auto& geometry = *state.options.geometry;
-  const auto misfit = [&](const TwoSides& sides) {
-    try {
-      return scaled_by_motion(sides, geometry.outputs, geometry.inputs, geometry.bending)
-          .chi_square;
-    } catch (const NumericalFailure&) {  // no scale makes the two sides one motion
-      return std::numeric_limits<double>::infinity();
-    }
-  };
-  int votes = 0;
-  for (std::size_t g = 0; g < state.groups.size(); ++g) {
-    if (state.groups[g].size != 1 || !is_suspended(state, state.groups[g].first)) continue;
-    const auto sides = sides_of(state, g);
-    auto turned = sides;
-    turned.inputs *= -1.0;
-    turned.covariance.topRightCorner(state.p(), state.q()) *= -1.0;
-    turned.covariance.bottomLeftCorner(state.q(), state.p()) *= -1.0;
-    const double as_is = misfit(sides);
-    const double other = misfit(turned);
-    if (as_is != other) votes += as_is < other ? 1 : -1;
-  }
-  return votes < 0 ? -1 : 1;
+BlockSides fitted_block(const Matching& state, const modal::ModeGroup& group) {
+  return {state.fit.model.output_shapes.middleCols(group.first, group.size),
+          state.side * state.fit.model.input_shapes.middleRows(group.first, group.size)};
+}
+
+bool is_suspended(const Matching& state, Eigen::Index mode) {
+  return state.options.geometry && std::ranges::find(state.options.geometry->suspended, mode) !=
+                                       state.options.geometry->suspended.end();
+}
+
+bool tells_mass(const Matching& state, const modal::ModeGroup& group) {
+  return group.first < state.fit.model.rigid_count && state.options.geometry &&
+         state.options.geometry->outputs.cols() == group.size;
+}
+
+void match_group(Matching& state, std::size_t group) {
+  if (!matched(state, group)) leave_unmatched(state, state.groups[group]);
 }
 
 }  // namespace chladni::identification

@@ -43,10 +43,41 @@ struct Matching {
   }
 };
 
+/// Warns of pairs whose gains differ, are in several parts, or contradict those of the others.
+/// @param left  PairGains::left
+void warn_of_gains(Matching& state, const Eigen::MatrixXd& left);
+
+/// Warns of modes whose pairs or places contradict each other.
+void warn_of_disagreement(Matching& state);
+
 /// Scales one group of modes with the information available; without any it adds a warning.
 void match_group(Matching& state, std::size_t group);
 
-/// +1 or −1 for all inputs from the suspended modes' geometry, if no pair gives the sign.
-[[nodiscard]] int side_by_motion(const Matching& state);
+/// Both sides of a single mode as fitted, with the sign of the side.
+[[nodiscard]] TwoSides sides_of(const Matching& state, std::size_t group);
+
+/// The shapes of a block of g modes, p×g and g×q.
+struct BlockSides {
+  Eigen::MatrixXd outputs, inputs;
+};
+/// The same of a block.
+[[nodiscard]] BlockSides fitted_block(const Matching& state, const modal::ModeGroup& group);
+
+/// Whether the geometry states that the body moves as a whole in this mode above 0 Hz.
+[[nodiscard]] bool is_suspended(const Matching& state, Eigen::Index mode);
+
+/// Whether the geometry tells the mass of these modes at 0 Hz: all motions of the body take part.
+[[nodiscard]] bool tells_mass(const Matching& state, const modal::ModeGroup& group);
+
+/// Where the motions that tell the sign of the inputs stand.
+enum class ToldSide { nothing, suspended, at_zero };
+
+/// +1 or −1 for all inputs, if no pair gives the sign: from the geometry of the suspended modes,
+/// and from the modes at 0 Hz, since the mass of a body is positive.
+struct SideByMotion {
+  int side = 1;
+  ToldSide by = ToldSide::nothing;
+};
+[[nodiscard]] SideByMotion side_by_motion(const Matching& state);
 
 }  // namespace chladni::identification

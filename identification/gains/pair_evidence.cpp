@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
 
 #include "base/error.h"
@@ -133,6 +135,46 @@ std::vector<Eigen::Index> told_by(const std::vector<LogRatios>& modes, Eigen::In
     for (const auto c : mode.pairs) ++count[static_cast<std::size_t>(c)];
   }
   return count;
+}
+
+// For each pair the number of its part, from 0 on in their order: modes compare the pairs of a
+// part, directly or through others.
+std::vector<Eigen::Index> parts_of_pairs(const std::vector<LogRatios>& modes, Eigen::Index pairs) {
+  std::vector<Eigen::Index> first(static_cast<std::size_t>(pairs));  // the first pair of the part
+  std::iota(first.begin(), first.end(), 0);
+  for (const auto& mode : modes) {
+    for (const auto c : mode.pairs) {
+      const auto one = first[static_cast<std::size_t>(mode.pairs.front())];
+      const auto other = first[static_cast<std::size_t>(c)];
+      std::ranges::replace(first, std::max(one, other), std::min(one, other));
+    }
+  }
+  Eigen::Index next = 0;
+  std::vector<Eigen::Index> part(first.size(), 0);
+  const auto told = told_by(modes, pairs);
+  for (std::size_t c = 0; c < part.size(); ++c) {
+    const auto head = static_cast<std::size_t>(first[c]);
+    if (told[c] > 0) part[c] = head == c ? next++ : part[head];
+  }
+  return part;
+}
+
+// Sets the gains that modes tell. Over all pairs they are known where all are of one part.
+void set_told(const std::vector<LogRatios>& modes, const Layout& layout,
+              std::vector<PairGain>& gains) {
+  const auto count = told_by(modes, std::ssize(gains));
+  const auto part = parts_of_pairs(modes, std::ssize(gains));
+  const bool is_whole = std::ranges::max(part) == 0;
+  for (std::size_t c = 0; c < gains.size(); ++c) {
+    auto& gain = gains[c];
+    gain.modes = count[c];
+    if (gain.modes == 0) continue;
+    const auto row = static_cast<Eigen::Index>(c);
+    gain.part = part[c];
+    gain.ratio = std::exp(layout.log_gain(row));
+    gain.part_std = gain.ratio * std::sqrt(std::max(layout.covariance(row, row), 0.0));
+    if (is_whole) gain.ratio_std = gain.part_std;
+  }
 }
 
 // Removes entries that the others contradict, the worst first, while two modes are left for each
@@ -284,14 +326,7 @@ PairGains pair_gains(const ModalFit& fit, const std::vector<modal::ModeGroup>& g
   if (all.empty()) return result;
   const auto kept = consistent(all, n);
   const auto layout = layout_of(kept, n);
-  const auto count = told_by(kept, n);
-  for (Eigen::Index c = 0; c < n; ++c) {
-    auto& gain = result.gains[static_cast<std::size_t>(c)];
-    gain.modes = count[static_cast<std::size_t>(c)];
-    if (gain.modes == 0) continue;
-    gain.ratio = std::exp(layout.log_gain(c));
-    gain.ratio_std = gain.ratio * std::sqrt(std::max(layout.covariance(c, c), 0.0));
-  }
+  set_told(kept, layout, result.gains);
   for (std::size_t g = 0; g < all.size(); ++g) {
     const Eigen::MatrixXd weight = weight_without_scale(all[g].covariance);
     const Eigen::VectorXd gap = weight * (all[g].value - layout.log_gain(all[g].pairs));
@@ -300,15 +335,35 @@ PairGains pair_gains(const ModalFit& fit, const std::vector<modal::ModeGroup>& g
   return result;
 }
 
+Eigen::Index gain_parts(const std::vector<PairGain>& gains) {
+  Eigen::Index count = 0;
+  for (const auto& gain : gains) {
+    if (gain.modes > 0) count = std::max(count, gain.part + 1);
+  }
+  return count;
+}
+
 double gain_scatter(const std::vector<PairGain>& gains) {
   double square = 0.0;
-  double told = 0.0;
+  double freedoms = -static_cast<double>(gain_parts(gains));
   for (const auto& gain : gains) {
     if (gain.modes == 0) continue;
     square += std::pow(std::log(gain.ratio), 2);
-    told += 1.0;
+    freedoms += 1.0;
   }
-  return told > 1.0 ? std::sqrt(square / (told - 1.0)) : 0.0;
+  return freedoms > 0.0 ? std::sqrt(square / freedoms) : 0.0;
+}
+
+Eigen::VectorXd gain_doubts(const std::vector<PairGain>& gains) {
+  const double scatter = gain_scatter(gains);
+  Eigen::VectorXd doubts(std::ssize(gains));
+  for (std::size_t c = 0; c < gains.size(); ++c) {
+    const auto& gain = gains[c];
+    const bool is_told = std::isfinite(gain.ratio_std);
+    const double own = (is_told ? gain.ratio_std : gain.part_std) / gain.ratio;
+    doubts(static_cast<Eigen::Index>(c)) = is_told ? own : std::hypot(own, scatter);
+  }
+  return doubts;
 }
 
 }  // namespace chladni::identification

@@ -54,8 +54,16 @@ struct PairGains {
                                    const std::vector<CollocatedPair>& pairs,
                                    const PlaceRatios& ratios, const PairResidues& residues);
 
-/// Deviation of ln of a gain that no mode tells: what the told ones scatter by, about their mean of
-/// 0. 0 of fewer than two.
+/// Number of parts of the told gains that no mode compares with each other.
+[[nodiscard]] Eigen::Index gain_parts(const std::vector<PairGain>& gains);
+
+/// Deviation of ln of a gain that no mode tells: what the told ones scatter by, about the mean of 0
+/// of their part. 0 where no two are in one part.
 [[nodiscard]] double gain_scatter(const std::vector<PairGain>& gains);
+
+/// Deviation of ln of each gain over the mean of all pairs. Where it is not known, it is guessed to
+/// scatter as the told ones do: n pairs of a part then know its mean to the n-th part of the
+/// variance.
+[[nodiscard]] Eigen::VectorXd gain_doubts(const std::vector<PairGain>& gains);
 
 }  // namespace chladni::identification

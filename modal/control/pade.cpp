@@ -99,7 +99,8 @@ void put_after(const StateSpace& delay, Eigen::Index i, StateSpace& space) {
 
 void name_states(const Signal& channel, int order, ControlModel& model) {
   for (int k = 1; k <= order; ++k) {
-    model.states.push_back({fmt::format("{}_pade_{}", channel.name, k), channel.unit + " s^1/2"});
+    model.states.push_back({fmt::format("{}_pade_{}", channel.name, k),
+                            channel.unit.empty() ? "" : channel.unit + " s^1/2"});
   }
 }
 

@@ -62,6 +62,8 @@ io::Json gain_json(const steps::IdentifiedModel& model) {
         {"actuator", model.seen.inputs[static_cast<std::size_t>(model.pairs[c].input)].name},
         {"gain_ratio", gain.ratio},
         {"gain_ratio_std", gain.ratio_std},
+        {"part", gain.part + 1},
+        {"part_std", gain.modes > 0 ? gain.part_std : NAN},
         {"turned", gain.turned}});
   }
   return io::JsonObject{{"alpha", io::Json(alpha)},
@@ -360,7 +362,7 @@ io::ShapeTable identified_shapes(const steps::IdentifiedModel& model) {
 void leave_identification(const study::Study& study, const steps::IdentifiedModel& model, Run& run,
                           bool main_result) {
   const auto& fit = model.found.fit;
-  const auto extended = identification::extended_model(fit, model.match);
+  const auto extended = identification::driven_model(fit, model.match);
   auto variables = matlab_variables(study, model, extended);
   if (const auto body = steps::rigid_body_of_channels(study, model)) {
     variables.emplace_back("rigid_body", rigid_body_mat(*body));

@@ -49,8 +49,10 @@ std::vector<std::string> motion_names(const std::vector<Eigen::Index>& motions) 
   return names;
 }
 
-io::Json decoupling_json(const identification::Decoupling& decoupling, bool actuators) {
-  return io::JsonObject{{"motions", io::Json::texts(motion_names(decoupling.told))},
+io::Json decoupling_json(const identification::Decoupling& decoupling,
+                         const std::vector<std::string>& channels, bool actuators) {
+  return io::JsonObject{{"channels", io::Json::texts(channels)},
+                        {"motions", io::Json::texts(motion_names(decoupling.told))},
                         {"matrix", io::Json::rows(decoupling.matrix)},
                         {"condition", decoupling.condition},
                         {"rank", static_cast<long long>(decoupling.rank)},
@@ -67,8 +69,10 @@ io::MatValue structure_of(io::MatFields fields) {
   return value;
 }
 
-io::MatValue decoupling_mat(const identification::Decoupling& decoupling) {
-  return structure_of({{"motions", motion_names(decoupling.told)},
+io::MatValue decoupling_mat(const identification::Decoupling& decoupling,
+                            const std::vector<std::string>& channels) {
+  return structure_of({{"channels", channels},
+                       {"motions", motion_names(decoupling.told)},
                        {"matrix", decoupling.matrix},
                        {"condition", decoupling.condition}});
 }
@@ -95,8 +99,8 @@ io::Json rigid_body_json(const steps::RigidBodyOfChannels& found) {
   io::JsonObject json{{"modes", static_cast<long long>(found.modes)},
                       {"suspended_modes", suspended},
                       {"about_m", io::Json(found.about)},
-                      {"sensors", decoupling_json(found.sensors, false)},
-                      {"actuators", decoupling_json(found.actuators, true)},
+                      {"sensors", decoupling_json(found.sensors, found.sensor_names, false)},
+                      {"actuators", decoupling_json(found.actuators, found.actuator_names, true)},
                       {"up_to_a_factor", found.up_to_a_factor},
                       {"notes", io::Json::texts(found.notes)}};
   if (!found.properties) return json;
@@ -113,10 +117,11 @@ io::Json rigid_body_json(const steps::RigidBodyOfChannels& found) {
 
 io::MatValue rigid_body_mat(const steps::RigidBodyOfChannels& found) {
   io::MatFields fields{{"about_m", Eigen::MatrixXd(found.about)},
-                       {"sensors", decoupling_mat(found.sensors)},
-                       {"actuators", decoupling_mat(found.actuators)}};
+                       {"sensors", decoupling_mat(found.sensors, found.sensor_names)},
+                       {"actuators", decoupling_mat(found.actuators, found.actuator_names)}};
   if (found.properties) {
     const auto& body = *found.properties;
+    fields.emplace_back("up_to_a_factor", found.up_to_a_factor ? 1.0 : 0.0);
     fields.emplace_back("mass_kg", body.mass);
     fields.emplace_back("mass_std_kg", body.mass_std);
     fields.emplace_back("centre_of_mass_m", Eigen::MatrixXd(body.centre));

@@ -100,6 +100,10 @@ io::Json fit_json(const priors::FitSummary& summary) {
 
 io::Json held_out_json(const steps::Measured& measured, const steps::Interpolation& one) {
   io::JsonArray array;
+  io::JsonArray scored(static_cast<std::size_t>(measured.shapes.mode_count()), io::Json(false));
+  for (const auto k : steps::scored_modes(measured)) {
+    scored[static_cast<std::size_t>(k)] = io::Json(true);
+  }
   for (std::size_t c = 0; c < measured.hidden_channels.size(); ++c) {
     const auto row = static_cast<Eigen::Index>(c);
     array.push_back(io::JsonObject{{"channel", measured.hidden_channels[c]},
@@ -108,7 +112,8 @@ io::Json held_out_json(const steps::Measured& measured, const steps::Interpolati
                                    {"coverage", one.hidden_covered(row)},
                                    {"value", io::Json(measured.hidden.values.row(row).transpose())},
                                    {"mean", io::Json(one.hidden.mean.row(row).transpose())},
-                                   {"std", io::Json(one.hidden.deviation.row(row).transpose())}});
+                                   {"std", io::Json(one.hidden.deviation.row(row).transpose())},
+                                   {"scored", scored}});
   }
   return array;
 }

@@ -84,6 +84,14 @@ void warn_of_unknown(const modal::FrfSet& band, const std::string& file, Run& ru
       file, names));
 }
 
+void add_imaginary(const identification::PlacesOfInterest& interest, io::MatFields& variables,
+                   io::JsonObject& json) {
+  variables.emplace_back("shapes_imaginary", interest.imaginary);
+  variables.emplace_back("shapes_imaginary_std", interest.imaginary_deviation);
+  json.emplace_back("shapes_imaginary", io::Json::rows(interest.imaginary));
+  json.emplace_back("shapes_imaginary_std", io::Json::rows(interest.imaginary_deviation));
+}
+
 void leave_state_space(const steps::Interpolated& result, const std::vector<std::string>& outputs,
                        const identification::PlacesOfInterest& interest,
                        const std::vector<std::string>& notes, Run& run) {
@@ -95,11 +103,17 @@ void leave_state_space(const steps::Interpolated& result, const std::vector<std:
                                        at, identification::complex_shapes_at(model.match, interest))
                                  : modal::state_space(at);
   const auto inputs = modal::names_of(model.seen.inputs);
-  io::MatFields variables{{"A", space.a},           {"B", space.b},
-                          {"C", space.c},           {"D", space.d},
-                          {"delay_s", fit.delay_s}, {"outputs", outputs},
-                          {"inputs", inputs},       {"shapes", interest.shapes},
-                          {"shapes_std", deviation}};
+  const Eigen::VectorXd late = identification::input_delays(fit);
+  io::MatFields variables{{"A", space.a},
+                          {"B", space.b},
+                          {"C", space.c},
+                          {"D", space.d},
+                          {"delay_s", fit.delay_s},
+                          {"outputs", outputs},
+                          {"inputs", inputs},
+                          {"shapes", interest.shapes},
+                          {"shapes_std", deviation},
+                          {"input_delay_s", Eigen::MatrixXd(late)}};
   io::JsonObject json{{"outputs", io::Json::texts(outputs)},
                       {"inputs", io::Json::texts(inputs)},
                       {"a", io::Json::rows(space.a)},
@@ -107,15 +121,11 @@ void leave_state_space(const steps::Interpolated& result, const std::vector<std:
                       {"c", io::Json::rows(space.c)},
                       {"d", io::Json::rows(space.d)},
                       {"delay_s", fit.delay_s},
+                      {"input_delay_s", io::Json(late)},
                       {"shapes", io::Json::rows(interest.shapes)},
                       {"shapes_std", io::Json::rows(deviation)},
                       {"left_out", io::Json::texts(notes)}};
-  if (fit.complex) {
-    variables.emplace_back("shapes_imaginary", interest.imaginary);
-    variables.emplace_back("shapes_imaginary_std", interest.imaginary_deviation);
-    json.emplace_back("shapes_imaginary", io::Json::rows(interest.imaginary));
-    json.emplace_back("shapes_imaginary_std", io::Json::rows(interest.imaginary_deviation));
-  }
+  if (fit.complex) add_imaginary(interest, variables, json);
   io::write_mat(run / "spatio_temporal.mat", variables);
   run.leave("spatio_temporal.json", json, false);
 }

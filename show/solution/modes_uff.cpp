@@ -1,10 +1,13 @@
 #include "show/modes_uff.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <set>
 
-#include "base/decompositions.h"
+#include "dense/algebra.h"
 #include "host/atomic_file.h"
 #include "show/version.h"
 
@@ -26,7 +29,8 @@ io::UffModes untitled(const study::Study& study) {
           .damping_ratio = {},
           .shapes = {},
           .imaginary = {},
-          .has_scale = {}};
+          .has_scale = {},
+          .known = {}};
 }
 
 /// Channels at one place.
@@ -80,36 +84,94 @@ void join(Node& node, Index row, const Eigen::Vector3d& direction) {
   node.directions.bottomRows(1) = direction.transpose();
 }
 
-// Whether something is known of a row: values, and where they are stated also a deviation.
-bool was_measured(const identification::GainMatch& match, Index row) {
+using Known = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>;
+
+// Whether the value of a row in a mode is known: it has a deviation, where these are stated. A mode
+// without a scale, or with one of unknown deviation, has none at any row; it is known at the
+// sensors that the fit knows it at.
+bool is_known(const steps::IdentifiedModel& model, Index row, Index mode) {
+  const auto& match = model.match;
   if (!match.shapes.row(row).allFinite()) return false;
-  return match.deviation.size() == 0 || match.deviation.row(row).array().isFinite().any();
+  if (match.deviation.size() == 0 || std::isfinite(match.deviation(row, mode))) return true;
+  const auto& matched = match.rows[static_cast<std::size_t>(row)];
+  const bool has_scale =
+      match.modes[static_cast<std::size_t>(mode)].by != identification::MatchedBy::nothing &&
+      match.deviation.col(mode).array().isFinite().any();
+  const auto& fitted = model.found.fit.output_std;
+  return !has_scale && !matched.actuator && fitted.rows() > matched.channel &&
+         fitted.cols() > mode && std::isfinite(fitted(matched.channel, mode));
 }
 
-std::vector<Node> nodes_of(const study::Study& study, const steps::IdentifiedModel& model) {
+// Rows of the match × modes of the file.
+Known known_values(const steps::IdentifiedModel& model, const std::vector<Index>& modes) {
+  Known known(std::ssize(model.match.rows), std::ssize(modes));
+  for (Index row = 0; row < known.rows(); ++row) {
+    for (Index k = 0; k < known.cols(); ++k) {
+      known(row, k) = is_known(model, row, modes[static_cast<std::size_t>(k)]);
+    }
+  }
+  return known;
+}
+
+// The nodes of the rows that some mode knows.
+std::vector<Node> nodes_of(const study::Study& study, const steps::IdentifiedModel& model,
+                           const Known& known) {
   std::vector<Node> nodes;
   for (Index row = 0; row < std::ssize(model.match.rows); ++row) {
-    if (!was_measured(model.match, row)) continue;
+    if (!known.row(row).any()) continue;
     const auto channel = channel_of(study, model, row);
-    auto known = known_node(nodes, channel);
-    if (known == nodes.end()) {
+    auto node = known_node(nodes, channel);
+    if (node == nodes.end()) {
       nodes.push_back({.number = 0,
                        .place = channel.position.value_or(Eigen::Vector3d::Zero()),
                        .rows = {},
                        .directions = {}});
-      known = nodes.end() - 1;
+      node = nodes.end() - 1;
     }
-    if (channel.node) known->number = *channel.node;
-    join(*known, row, channel.direction);
+    if (channel.node) node->number = *channel.node;
+    join(*node, row, channel.direction);
   }
   number_rest(nodes);
   return nodes;
 }
 
-// The motion of the node in each mode, 3×m, from the channels that see it.
-Eigen::MatrixXd motion_of(const Node& node, const Eigen::MatrixXd& shapes) {
-  return Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(node.directions)
-      .solve(Eigen::MatrixXd(shapes(node.rows, Eigen::all)));
+// The channels of the node that know a mode; none where these do not tell the motion along the
+// direction of one of its sensors, at which a reader would find a 0.
+std::vector<Index> telling_channels(const Node& node, const identification::GainMatch& match,
+                                    const Known& known, Index mode) {
+  constexpr double kAcross = 1e-6;
+  std::vector<Index> telling;
+  std::vector<Index> sensors;
+  for (Index c = 0; c < std::ssize(node.rows); ++c) {
+    const auto row = node.rows[static_cast<std::size_t>(c)];
+    if (known(row, mode)) telling.push_back(c);
+    if (!match.rows[static_cast<std::size_t>(row)].actuator) sensors.push_back(c);
+  }
+  if (telling.empty() || sensors.empty()) return telling;
+  const Eigen::MatrixXd told = node.directions(telling, Eigen::all).transpose();
+  const Eigen::MatrixXd all = node.directions(sensors, Eigen::all).transpose();
+  const Eigen::MatrixXd part = told * Eigen::MatrixXd(dense::pseudo_inverse(told) * all);
+  return (all - part).norm() > kAcross ? std::vector<Index>{} : telling;
+}
+
+// Writes the motion of a node in each mode, from the channels that know it, into the file's modes.
+void put_motion(const Node& node, Index at, const identification::GainMatch& match,
+                const std::vector<Index>& modes, const Known& known, io::UffModes& result) {
+  for (Index k = 0; k < std::ssize(modes); ++k) {
+    const auto telling = telling_channels(node, match, known, k);
+    result.known(at, k) = !telling.empty();
+    if (telling.empty()) continue;
+    std::vector<Index> rows;
+    for (const auto c : telling) rows.push_back(node.rows[static_cast<std::size_t>(c)]);
+    const Eigen::MatrixXd along = node.directions(telling, Eigen::all);
+    const Eigen::MatrixXd directions = dense::pseudo_inverse(along);
+    const auto mode = modes[static_cast<std::size_t>(k)];
+    result.shapes.col(k).segment<3>(3 * at) =
+        directions * Eigen::VectorXd(match.shapes.col(mode)(rows));
+    if (match.imaginary.size() == 0) continue;
+    result.imaginary.col(k).segment<3>(3 * at) =
+        directions * Eigen::VectorXd(match.imaginary.col(mode)(rows));
+  }
 }
 
 std::vector<bool> scales_of(const identification::GainMatch& match,
@@ -175,21 +237,20 @@ io::UffModes body_modes_uff(const study::Study& study, const stage::Solution& so
 
 io::UffModes channel_modes_uff(const study::Study& study, const steps::IdentifiedModel& model) {
   const auto& match = model.match;
-  const auto nodes = nodes_of(study, model);
   const auto modes = steps::modes_within(model);
+  const auto known = known_values(model, modes);
+  const auto nodes = nodes_of(study, model, known);
   const Index n = std::ssize(nodes), m = std::ssize(modes);
   auto result = untitled(study);
   result.place.resize(n, 3);
-  result.shapes.resize(3 * n, m);
-  if (match.imaginary.size() > 0) result.imaginary.resize(3 * n, m);
+  result.shapes.setZero(3 * n, m);
+  result.known.resize(n, m);
+  if (match.imaginary.size() > 0) result.imaginary.setZero(3 * n, m);
   for (Index i = 0; i < n; ++i) {
     const auto& node = nodes[static_cast<std::size_t>(i)];
     result.node.push_back(node.number);
     result.place.row(i) = node.place.transpose();
-    result.shapes.middleRows(3 * i, 3) = motion_of(node, match.shapes)(Eigen::all, modes);
-    if (match.imaginary.size() > 0) {
-      result.imaginary.middleRows(3 * i, 3) = motion_of(node, match.imaginary)(Eigen::all, modes);
-    }
+    put_motion(node, i, match, modes, known, result);
   }
   result.lines = io::wire_frame(result.place);
   result.frequency_hz = model.found.fit.model.frequency_hz(modes);
@@ -222,11 +283,20 @@ void leave_modes_uff(const study::Study& study, const stage::Solution& solution,
       "modes.unv", study.modes.uff, [&] { return body_modes_uff(study, solution); }, run);
 }
 
-void leave_modes_uff(const study::Study& study, const steps::IdentifiedModel& model,
-                     const Run& run) {
+void leave_modes_uff(const study::Study& study, const steps::IdentifiedModel& model, Run& run) {
   const auto plan = study.identification.value_or(study::IdentificationPlan{});
-  leave(
-      "identified.unv", plan.uff, [&] { return channel_modes_uff(study, model); }, run);
+  const auto modes = [&] {
+    auto result = channel_modes_uff(study, model);
+    for (Index k = 0; k < result.known.cols(); ++k) {
+      if (result.known.col(k).any()) continue;
+      run.warn(
+          fmt::format("identified.unv: the mode at {:.6g} Hz is left out, its shape is known "
+                      "at no channel",
+                      result.frequency_hz(k)));
+    }
+    return result;
+  };
+  leave("identified.unv", plan.uff, modes, run);
 }
 
 void leave_modes_uff(const study::Study& study, const steps::Interpolated& result, const Run& run) {

@@ -73,6 +73,11 @@ void add_properties(const ChannelFrame& outputs, const ChannelFrame& inputs,
       std::any_of(model.seen.outputs.begin(), model.seen.outputs.end(), has_no_unit);
 }
 
+bool are_of_one_kind(const std::vector<modal::MeasuredChannel>& channels) {
+  return std::ranges::all_of(
+      channels, [&](const auto& channel) { return channel.kind == channels.front().kind; });
+}
+
 }  // namespace
 
 std::optional<RigidBodyOfChannels> rigid_body_of_channels(const study::Study& study,
@@ -81,6 +86,8 @@ std::optional<RigidBodyOfChannels> rigid_body_of_channels(const study::Study& st
   const auto inputs = identification::channel_frame(model.seen.inputs);
   if (!outputs || !inputs) return std::nullopt;
   RigidBodyOfChannels found;
+  found.sensor_names = modal::names_of(model.seen.outputs);
+  found.actuator_names = modal::names_of(model.seen.inputs);
   found.about = (outputs->places.colwise().sum() + inputs->places.colwise().sum()).transpose() /
                 static_cast<double>(outputs->places.rows() + inputs->places.rows());
   const auto suspension = suspension_of(study, model, *outputs, *inputs);
@@ -91,6 +98,16 @@ std::optional<RigidBodyOfChannels> rigid_body_of_channels(const study::Study& st
   found.actuators = identification::actuator_decoupling(*inputs, found.about);
   const auto missing = missing_modes(study, found, model);
   if (!missing.empty()) found.notes.push_back(missing);
+  if (!are_of_one_kind(model.seen.outputs)) {
+    found.notes.emplace_back(
+        "the sensors measure different quantities: their decoupling matrix is for displacements");
+  }
+  if (model.match.side < 0) {
+    found.notes.emplace_back(
+        "the decoupling matrices are for the directions that the study states, against which the "
+        "actuators as a whole count in the responses: a loop through both matrices needs the other "
+        "sign");
+  }
   // Fewer modes than motions, as on springs to the ground, are not those of the whole body.
   if (found.modes == 0 || found.modes < std::min(found.sensors.rank, found.actuators.rank)) {
     return found;

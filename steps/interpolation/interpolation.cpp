@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "base/error.h"
 #include "modal/frf.h"
@@ -148,11 +149,13 @@ void score_hidden(const Interpolated& result, Interpolation& interpolation) {
   interpolation.hidden_frf_error.resize(h);
   interpolation.hidden_covered.resize(h);
   const bool has_frf = !measured.identified && measured.shapes.frequency_hz.minCoeff() > 0.0;
+  const auto modes = scored_modes(measured);
   for (Eigen::Index c = 0; c < h; ++c) {
-    const Eigen::RowVectorXd wrong = interpolation.hidden.mean.row(c) - hidden.values.row(c);
-    interpolation.hidden_error(c) = wrong.norm() / hidden.values.row(c).norm();
-    const Eigen::ArrayXd band = (interpolation.hidden.deviation.row(c).array().square() +
-                                 hidden.noise.row(c).array().square())
+    const Eigen::RowVectorXd real = hidden.values.row(c)(modes);
+    const Eigen::RowVectorXd wrong = interpolation.hidden.mean.row(c)(modes) - real;
+    interpolation.hidden_error(c) = wrong.norm() / real.norm();
+    const Eigen::ArrayXd band = (interpolation.hidden.deviation.row(c)(modes).array().square() +
+                                 hidden.noise.row(c)(modes).array().square())
                                     .sqrt();
     interpolation.hidden_covered(c) =
         !band.isFinite().all()
@@ -160,9 +163,9 @@ void score_hidden(const Interpolated& result, Interpolation& interpolation) {
             : (wrong.transpose().array().abs() <= priors::kTwoSided95 * band).cast<double>().mean();
     interpolation.hidden_frf_error(c) = std::numeric_limits<double>::quiet_NaN();
     if (!has_frf) continue;
-    const auto real = responses(measured, hidden.values.row(c));
+    const auto whole = responses(measured, hidden.values.row(c));
     interpolation.hidden_frf_error(c) =
-        (responses(measured, interpolation.hidden.mean.row(c)) - real).norm() / real.norm();
+        (responses(measured, interpolation.hidden.mean.row(c)) - whole).norm() / whole.norm();
   }
   if (measured.identified)
     interpolation.hidden_frf_error = held_out_frf_errors(result, interpolation);
@@ -204,6 +207,19 @@ void add_method(const std::string& name, bool asked_for, Interpolated& result, s
 }
 
 }  // namespace
+
+std::vector<Eigen::Index> scored_modes(const Measured& measured) {
+  std::vector<Eigen::Index> all(static_cast<std::size_t>(measured.shapes.mode_count()));
+  std::iota(all.begin(), all.end(), 0);
+  if (!measured.identified) return all;
+  const auto within = modes_within(*measured.identified);
+  std::vector<Eigen::Index> scored;
+  for (const auto k : all) {
+    const auto mode = measured.fitted_mode[static_cast<std::size_t>(k)];
+    if (std::ranges::find(within, mode) != within.end()) scored.push_back(k);
+  }
+  return scored.empty() ? all : scored;
+}
 
 Interpolated interpolated(const study::Study& study, const stage::Solution& solution,
                           stage::Work& work, const OnIdentified& on_identified) {

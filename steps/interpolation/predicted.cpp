@@ -20,20 +20,31 @@ const ChannelSite& site_of(const std::vector<ChannelSite>& sites, const std::str
   return sites[static_cast<std::size_t>(index_of(sites, name))];
 }
 
+// The measured channels at which a mode with a scale is not known.
+std::vector<std::string> names_without(const IdentifiedModel& model, Eigen::Index mode) {
+  std::vector<std::string> names;
+  for (const auto row : identification::rows_without(model.found.fit, model.match, mode)) {
+    const auto& matched = model.match.rows[static_cast<std::size_t>(row)];
+    const auto& side = matched.actuator ? model.seen.inputs : model.seen.outputs;
+    names.push_back(side[static_cast<std::size_t>(matched.channel)].name);
+  }
+  return names;
+}
+
 // Modes that have a scale and are not rigid-body modes.
 std::vector<Eigen::Index> usable_modes(const IdentifiedModel& model, stage::Work& work) {
   const auto& fit = model.found.fit;
   const auto modes = identification::modes_with_scale(fit, model.match);
   for (const auto m : modes_within(model)) {
     if (m < fit.model.rigid_count || std::ranges::find(modes, m) != modes.end()) continue;
-    work.warn(
-        fmt::format("mode {} ({:.1f} Hz) has no known scale between sensors and "
-                    "actuators: it takes no part in what is predicted elsewhere",
-                    m + 1, fit.model.frequency_hz(m)));
+    const auto unknown_at = names_without(model, m);
+    const auto why = unknown_at.empty()
+                         ? std::string("has no known scale between sensors and actuators")
+                         : fmt::format("is not known at {}", fmt::join(unknown_at, ", "));
+    work.warn(fmt::format("mode {} ({:.1f} Hz) {}; it takes no part in what is predicted elsewhere",
+                          m + 1, fit.model.frequency_hz(m), why));
   }
-  require(!modes.empty(),
-          "no identified mode has a known scale: name a pair of a sensor and an "
-          "actuator at one place ([identification] pair)");
+  require(!modes.empty(), identification::why_none_has_scale(fit, model.match));
   return modes;
 }
 
@@ -184,10 +195,14 @@ std::vector<std::string> left_out_of_predictions(const Interpolated& result) {
   const auto& used = result.measured.fitted_mode;
   for (auto m = fit.rigid_count; m < fit.mode_count(); ++m) {
     if (std::find(used.begin(), used.end(), m) != used.end()) continue;
+    const auto unknown_at = names_without(model, m);
+    const auto why = unknown_at.empty()
+                         ? std::string("its scale between sensors and actuators is not known")
+                         : fmt::format("its shape at {} is not known", fmt::join(unknown_at, ", "));
     notes.push_back(
-        fmt::format("mode {} ({:.1f} Hz) is not in the predicted responses, its scale between "
-                    "sensors and actuators is not known; their band has its size at the channels",
-                    m + 1, fit.frequency_hz(m)));
+        fmt::format("mode {} ({:.1f} Hz) is not in the predicted responses, {}; their "
+                    "band has its size at the channels",
+                    m + 1, fit.frequency_hz(m), why));
   }
   if (fit.rigid_count > 0 && !model.match.rigid) {
     notes.push_back(fmt::format(

@@ -1,7 +1,6 @@
 // Feedback on the estimate against feedback on the sensors, on the model and on drawn models.
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +11,7 @@
 #include "dense/algebra.h"
 #include "modal/feedback.h"
 #include "recordings/virtual_experiment.h"
+#include "steps/observer/drawn.h"
 #include "steps/observer_loop.h"
 #include "steps/predicted.h"
 
@@ -61,7 +61,7 @@ modal::FeedbackLaw law_of(const IdentifiedModel& model, Eigen::Index axes,
                           double sample_time_s) {
   auto unit = model.found.fit.model;
   unit.output_shapes = Eigen::MatrixXd::Identity(axes, unit.mode_count());
-  unit.input_shapes = model.match.input_shapes;
+  unit.input_shapes = identification::driving_shapes(model.match);
   unit.residual = Eigen::MatrixXd::Zero(axes, unit.input_count());
   const auto law = recordings::stabiliser(unit, axes, actuators, bandwidth_hz, sample_time_s);
   return {law.a, law.b, law.c, law.d};
@@ -149,103 +149,6 @@ LoopModels loop_models(const study::Study& study, const Observer& observer, Loop
   points.rightCols(axes) = Eigen::MatrixXd::Identity(axes, axes) - back * at_point;
   points.col(0) = back;
   return result;
-}
-
-bool is_known(const Eigen::MatrixXd& covariance, Eigen::Index i) {
-  return std::isfinite(covariance(i, i)) && covariance.row(i).allFinite();
-}
-
-// A draw from a covariance; entries without one deviate by their size, which is all that is known
-// of them. Negative eigenvalues are rounding.
-Eigen::VectorXd drawn(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& size, Draw& draw) {
-  Eigen::VectorXd normal(covariance.rows());
-  for (double& value : normal) value = draw.normal();
-  Eigen::MatrixXd known = covariance;
-  for (Eigen::Index i = 0; i < known.rows(); ++i) {
-    if (is_known(covariance, i)) continue;
-    known.row(i).setZero();
-    known.col(i).setZero();
-    known(i, i) = size(i) * size(i);
-  }
-  const Eigen::VectorXd scale = known.diagonal().unaryExpr(
-      [](double variance) { return variance > 0.0 ? std::sqrt(variance) : 1.0; });
-  const Eigen::VectorXd inverse = scale.cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      Eigen::MatrixXd(inverse.asDiagonal() * known * inverse.asDiagonal()));
-  return scale.cwiseProduct(solver.eigenvectors() *
-                            solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().cwiseProduct(normal));
-}
-
-double rms_of(const Eigen::VectorXd& values) {
-  return values.norm() / std::sqrt(static_cast<double>(std::max<Eigen::Index>(1, values.size())));
-}
-
-// Sizes of ω, ζ, L and R of a mode.
-Eigen::VectorXd sizes_of(const modal::ReducedModel& model, Eigen::Index m) {
-  Eigen::VectorXd size(2 + model.output_count() + model.input_count());
-  size << kTwoPi * model.frequency_hz(m), model.damping_ratio(m),
-      Eigen::VectorXd::Constant(model.output_count(), rms_of(model.output_shapes.col(m))),
-      Eigen::VectorXd::Constant(model.input_count(), rms_of(model.input_shapes.row(m).transpose()));
-  return size;
-}
-
-// Modes that are not drawn. Modes beyond the lines are known together, by what they add within the
-// lines, and none by itself: drawn one by one they would be anywhere.
-bool stays(const IdentifiedModel& model, Eigen::Index m) {
-  const auto& beyond = model.judgement.beyond_lines;
-  return std::find(beyond.begin(), beyond.end(), m) != beyond.end();
-}
-
-// Numbers of the fit and of the shapes at the points of which no deviation is known.
-Eigen::Index unknown_numbers(const IdentifiedModel& model, const Eigen::MatrixXd& points) {
-  const auto& fit = model.found.fit;
-  Eigen::Index count = 0;
-  for (Eigen::Index m = 0; m < points.cols(); ++m) {
-    if (!stays(model, m)) count += points.rows() - points.col(m).array().isFinite().count();
-  }
-  for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
-    if (stays(model, m)) continue;
-    const auto& covariance = fit.mode_covariance[static_cast<std::size_t>(m)];
-    for (Eigen::Index i = 0; i < covariance.rows(); ++i) count += is_known(covariance, i) ? 0 : 1;
-  }
-  return count;
-}
-
-// Poles and shapes of the flexible modes as the fit leaves them open; the damping stays positive.
-identification::ModalFit drawn_fit(const IdentifiedModel& identified, Draw& draw) {
-  auto fit = identified.found.fit;
-  auto& model = fit.model;
-  for (auto m = model.rigid_count; m < model.mode_count(); ++m) {
-    if (stays(identified, m)) continue;
-    const auto change =
-        drawn(fit.mode_covariance[static_cast<std::size_t>(m)], sizes_of(model, m), draw);
-    const auto p = model.output_count();
-    const auto q = model.input_count();
-    // To first order the draw itself, but never negative.
-    const auto factor = [](double relative) { return std::exp(std::clamp(relative, -0.5, 0.5)); };
-    model.frequency_hz(m) *= factor(change(0) / (kTwoPi * model.frequency_hz(m)));
-    if (model.damping_ratio(m) > 0.0) {
-      model.damping_ratio(m) *= factor(change(1) / model.damping_ratio(m));
-    }
-    model.output_shapes.col(m) += change.segment(2, p);
-    model.input_shapes.row(m) += change.segment(2 + p, q).transpose();
-  }
-  return fit;
-}
-
-identification::ObservedPlaces drawn_places(identification::ObservedPlaces places,
-                                            const Observer& observer, Draw& draw) {
-  const auto& deviation = observer.places.at_points.deviation;
-  const auto& model = identified_of(*observer.shapes);
-  for (Eigen::Index m = 0; m < deviation.cols(); ++m) {
-    if (stays(model, m)) continue;
-    const double size = rms_of(model.match.shapes.col(m));
-    for (Eigen::Index i = 0; i < deviation.rows(); ++i) {
-      const bool known = std::isfinite(deviation(i, m));
-      places.at_points.shapes(i, m) += (known ? deviation(i, m) : size) * draw.normal();
-    }
-  }
-  return places;
 }
 
 std::vector<double> listed(const Eigen::VectorXd& rms, Eigen::Index count) {

@@ -87,6 +87,15 @@ TEST(IdentifiedControlModel, HasTheCoordinatesOfTheMatchedShapes) {
   }
 }
 
+// A file without units may have any: the model states none either.
+TEST(IdentifiedControlModel, StatesNoUnitThatTheFileDoesNot) {
+  auto one = fitted();
+  one.outputs[1].unit = "m";
+  const auto model = control_model(one.fit, one.match, one.outputs, one.inputs);
+  EXPECT_EQ(model.outputs[0].unit, "");
+  EXPECT_EQ(model.outputs[1].unit, "m");
+}
+
 TEST(IdentifiedControlModel, CannotLookAhead) {
   auto one = fitted();
   one.fit.channel_delay_s(2) = -4e-4;

@@ -163,6 +163,13 @@ TEST(ResponseField, KnowsActuatorsThatPushAgainstTheSensors) {
   EXPECT_LT(error_of(against, kBetween, kPairs, -1.0).relative, 0.02);
 }
 
+// Actuators that count against the sensors: G(ρ) has the signs of the data, residual included.
+TEST(ResponseField, HasTheSignsOfTheDataWhereActuatorsAreTurned) {
+  auto responses = responses_of(kPairs);
+  for (auto& value : responses.value) value *= -1.0;
+  EXPECT_LT(error_of(field_of(responses, kPairs), kBetween, kPairs, -1.0).relative, 0.02);
+}
+
 // One channel of which no line is measured, of a pair or not: the others tell what they do without
 // it.
 TEST(ResponseField, LeavesOutAChannelThatWasNotMeasured) {

@@ -7,9 +7,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
 
 #include "base/error.h"
 #include "identification/fit_data.h"
+#include "identification/observed_plant.h"
 #include "known_fit.h"
 #include "tests/identification/gains/gain_case.h"
 
@@ -50,17 +52,63 @@ TEST(SpatioTemporal, GivesTheSensorsOwnResponsesBack) {
   }
 }
 
+// Whatever way the actuators count, all models from them have the signs of the data: the responses
+// at the sensors' places are those that were measured, and a point at a sensor moves as the sensor.
+TEST(SpatioTemporal, HasTheSignsOfTheDataWhereActuatorsAreTurned) {
+  auto one = sensed_beam();
+  const Eigen::MatrixXd residual = one.fit.model.residual;
+  for (const double side : {1.0, -1.0}) {
+    if (side < 0.0) one.fit = with_turned_inputs(one.fit);
+    one.fit.model.residual = side * residual;
+    one.match = matched(one.made, one.fit, with_pairs(one.made));
+    EXPECT_EQ(one.match.side, side);
+    auto interest = sensors_of(one);
+    interest.residual = one.fit.model.residual;
+    const Eigen::VectorXd lines = Eigen::Vector3d(3.0, 33.0, 80.0);
+    const auto measured = responses(one.fit, lines);
+    const auto found = predicted(one.fit, one.match, interest, lines);
+    const auto driven = modal::frf(driven_model(one.fit, one.match), lines);
+    ObservedPlaces places;
+    for (int i = 0; i < 5; ++i) places.points.push_back("p" + std::to_string(i));
+    places.at_points = interest;
+    const auto plant = observed_plant(one.fit, one.match, one.made.measured.outputs,
+                                      one.made.measured.inputs, places);
+    for (Eigen::Index k = 0; k < lines.size(); ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      const Eigen::MatrixXcd real = measured.row(k).reshaped(5, 5);
+      const auto delay = std::polar(1.0, 2.0 * std::numbers::pi * lines(k) * one.fit.delay_s);
+      EXPECT_LT((found.value[at] - real).norm(), 1e-9 * real.norm()) << side;
+      EXPECT_LT((driven.value[at].topRows(5) - delay * real).norm(), 1e-9 * real.norm()) << side;
+      const Eigen::MatrixXcd both = modal::response(plant, lines(k));
+      EXPECT_LT((both.topRows(5) - real).norm(), 1e-9 * real.norm()) << side;
+      EXPECT_LT((both.bottomRows(5) - real).norm(), 1e-9 * real.norm()) << side;
+    }
+    auto data = fit_data(modal::part(one.made.measured, {3}, {0, 1, 2, 3, 4}));
+    data.value *= side;
+    const Eigen::RowVectorXd row = fitted_row(one.fit, one.match, data).shape;
+    EXPECT_LT((row - one.match.shapes.row(3)).norm(), 2e-3 * row.norm()) << side;
+  }
+}
+
 TEST(SpatioTemporal, IsTheStateSpaceThatItExports) {
-  const auto one = sensed_beam();
+  auto one = sensed_beam();
   const auto interest = sensors_of(one);
   const Eigen::VectorXd lines = Eigen::Vector3d(3.0, 33.0, 80.0);
-  const auto responses = modal::frf(model_at(one.fit, one.match, interest), lines);
-  const auto found = predicted(one.fit, one.match, interest, lines);
-  for (Eigen::Index k = 0; k < lines.size(); ++k) {
-    const auto turn = std::polar(1.0, 2.0 * std::numbers::pi * lines(k) * one.fit.delay_s);
-    const auto at = static_cast<std::size_t>(k);
-    EXPECT_LT((turn * found.value[at] - responses.value[at]).norm(),
-              1e-12 * responses.value[at].norm());
+  for (const auto of : {DelayOf::all, DelayOf::inputs, DelayOf::outputs}) {
+    one.fit.delay_of = of;
+    if (of != DelayOf::all) one.fit.channel_delay_s = 1e-4 * Eigen::VectorXd::LinSpaced(5, -2, 2);
+    const auto responses = modal::frf(model_at(one.fit, one.match, interest), lines);
+    const auto found = predicted(one.fit, one.match, interest, lines);
+    const Eigen::VectorXd late = input_delays(one.fit);
+    EXPECT_NEAR(late.mean(), one.fit.delay_s, 1e-12);
+    for (Eigen::Index k = 0; k < lines.size(); ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      for (Eigen::Index j = 0; j < 5; ++j) {
+        const auto turn = std::polar(1.0, 2.0 * std::numbers::pi * lines(k) * late(j));
+        EXPECT_LT((turn * found.value[at].col(j) - responses.value[at].col(j)).norm(),
+                  1e-12 * responses.value[at].norm());
+      }
+    }
   }
 }
 

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "io/node_shapes.h"
 #include "io/shape_table.h"
 #include "show/identification.h"
 
@@ -117,6 +118,74 @@ TEST(ChannelModesUff, AChannelThatNoModeKnowsIsNoNode) {
   const auto modes = channel_modes_uff({}, model);
   EXPECT_EQ(modes.node, (std::vector<long long>{1, 2}));
   EXPECT_EQ(modes.place(1, 0), 3.0);
+}
+
+// Three places, one of which has two sensors, and an actuator.
+steps::IdentifiedModel five_rows() {
+  const auto at = [](double x) { return Vector3d(x, 0.0, 0.0); };
+  const Vector3d y = Vector3d::UnitY(), z = Vector3d::UnitZ();
+  Eigen::MatrixXd shapes(5, 2);
+  shapes << 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0;
+  auto model =
+      model_of({{"s1", at(1), z, 1}, {"s2", at(2), z, 2}, {"s3", at(3), z, 3}, {"s4", at(3), y, 3}},
+               {"a1", at(4), z, 4}, shapes);
+  model.match.modes[0].by = identification::MatchedBy::pairs;
+  model.match.deviation = Eigen::MatrixXd::Constant(5, 2, 0.1);
+  return model;
+}
+
+constexpr double kNotKnown = std::numeric_limits<double>::infinity();
+
+std::vector<io::NodeShape> read_back(const steps::IdentifiedModel& model) {
+  const auto text = io::modes_uff(channel_modes_uff({}, model), io::ShapeDataset::nodes_55);
+  return io::parse_node_shapes(text, "test").modes;
+}
+
+// A node that a mode does not know is not in the mode's record: a reader would take its number, or
+// a 0, for measured.
+TEST(ChannelModesUff, AModeHasNoRecordOfANodeThatItDoesNotKnow) {
+  auto model = five_rows();
+  model.match.deviation(1, 0) = kNotKnown;
+  model.match.deviation(3, 1) = kNotKnown;  // node 3 knows z alone, its y would be 0
+  const auto modes = read_back(model);
+  ASSERT_EQ(modes.size(), 2U);
+  EXPECT_EQ(modes[0].motion.size(), 3U);
+  EXPECT_FALSE(modes[0].motion.contains(2));
+  EXPECT_NEAR(modes[0].motion.at(3).z().real(), 5.0, 1e-5);
+  EXPECT_NEAR(modes[0].motion.at(3).y().real(), 7.0, 1e-5);
+  EXPECT_EQ(modes[1].motion.size(), 3U);
+  EXPECT_NEAR(modes[1].motion.at(2).z().real(), 4.0, 1e-5);
+  EXPECT_FALSE(modes[1].motion.contains(3));
+}
+
+// Without a scale the fit knows its sensors alone: the actuator has a guess. A mode that no node
+// knows has no record.
+TEST(ChannelModesUff, AModeWithoutAScaleIsKnownAtItsSensors) {
+  auto model = five_rows();
+  model.match.modes[0].by = identification::MatchedBy::nothing;
+  model.match.deviation.col(0).setConstant(kNotKnown);
+  model.found.fit.output_std = Eigen::MatrixXd::Constant(4, 2, 0.1);
+  model.found.fit.output_std(0, 0) = kNotKnown;
+  auto modes = read_back(model);
+  ASSERT_EQ(modes.size(), 2U);
+  EXPECT_FALSE(modes[0].motion.contains(1));
+  EXPECT_NEAR(modes[0].motion.at(2).z().real(), 3.0, 1e-5);
+  EXPECT_FALSE(modes[0].motion.contains(4));
+  model.found.fit.output_std.col(0).setConstant(kNotKnown);
+  modes = read_back(model);
+  ASSERT_EQ(modes.size(), 1U);
+  EXPECT_EQ(modes[0].frequency_hz, 20.0);
+}
+
+// A body's motions at 0 Hz may have a scale whose deviation nothing tells: their shape is known.
+TEST(ChannelModesUff, AModeWithAScaleOfUnknownDeviationIsKnownAtItsSensors) {
+  auto model = five_rows();
+  model.match.modes[0].by = identification::MatchedBy::geometry;
+  model.match.deviation.col(0).setConstant(kNotKnown);
+  model.found.fit.output_std = Eigen::MatrixXd::Constant(4, 2, 0.1);
+  const auto modes = read_back(model);
+  ASSERT_EQ(modes.size(), 2U);
+  EXPECT_NEAR(modes[0].motion.at(2).z().real(), 3.0, 1e-5);
 }
 
 // What is not known is an empty cell, which no reader takes for a measured 0.

@@ -158,6 +158,29 @@ stiffness = "1 kN/m"
   EXPECT_TRUE(held->notes.empty());
 }
 
+// Matrices by geometry are those of the stated directions, whatever the responses say of these.
+TEST(RigidBodyOfChannels, SaysThatActuatorsCountAgainstTheirDirections) {
+  auto model = plate(3);
+  model.match.side = -1;
+  const auto found = rigid_body_of_channels(with(""), model);
+  ASSERT_TRUE(found);
+  ASSERT_EQ(found->notes.size(), 1U);
+  EXPECT_NE(found->notes[0].find("needs the other sign"), std::string::npos);
+}
+
+TEST(RigidBodyOfChannels, NamesTheChannelsOfItsMatrices) {
+  auto model = plate(3);
+  const auto alike = rigid_body_of_channels(with(""), model);
+  ASSERT_TRUE(alike);
+  EXPECT_EQ(alike->sensor_names, (std::vector<std::string>{"s1", "s2", "s3", "s4"}));
+  EXPECT_EQ(alike->actuator_names, (std::vector<std::string>{"a1", "a2", "a3"}));
+  model.seen.outputs[2].kind = modal::FrfKind::accelerance;
+  const auto mixed = rigid_body_of_channels(with(""), model);
+  ASSERT_TRUE(mixed);
+  ASSERT_EQ(mixed->notes.size(), 1U);
+  EXPECT_NE(mixed->notes[0].find("different quantities"), std::string::npos);
+}
+
 TEST(RigidBodyOfChannels, NeedsPlaces) {
   auto model = plate(3);
   model.seen.inputs[1].position.reset();

@@ -302,6 +302,20 @@ TEST_F(Interpolate, RefusesWhatCannotBeMeant) {
   refused("[measurement]\nshapes = \"s.csv\"\n", "are 0");
 }
 
+// Nothing is known of a mode beyond the lines by itself: no held-out channel is scored by it.
+TEST(ScoredModes, AreThoseWithinTheLines) {
+  Measured measured;
+  measured.shapes.frequency_hz = Eigen::Vector3d(10.0, 20.0, 30.0);
+  measured.shapes.values = Eigen::MatrixXd::Ones(2, 3);
+  EXPECT_EQ(scored_modes(measured), (std::vector<Eigen::Index>{0, 1, 2}));
+  auto model = std::make_shared<IdentifiedModel>();
+  model->found.fit.model.frequency_hz = Eigen::Vector4d(10.0, 15.0, 20.0, 30.0);
+  model->judgement.beyond_lines = {2};
+  measured.fitted_mode = {0, 2, 3};
+  measured.identified = model;
+  EXPECT_EQ(scored_modes(measured), (std::vector<Eigen::Index>{0, 2}));
+}
+
 // Channels along z tell nothing of the motion of a free body in its plane.
 TEST(LeftOutOfPredictions, NamesPlacesThatDoNotMoveAlongZ) {
   auto model = std::make_shared<IdentifiedModel>();

@@ -202,6 +202,34 @@ TEST(ExperimentDesign, KeepsTheLimitsOnTheRig) {
   }
 }
 
+// A mode at the frequency of its force, without noise: its envelope is off by no more than told
+// when recording begins, though the force rises for a part of the time that settles.
+TEST(ExperimentDesign, RecordsFromWhereTheStartHasSettled) {
+  for (const double lines : {2.0, 2.95, 3.2, 4.0, 6.0}) {
+    auto plan = small_plan();
+    plan.lines_per_bandwidth = lines;
+    const auto design = experiment_design(model_of(three_modes()), plan, 1);
+    const double decay = std::numbers::pi * 0.84;  // of the slowest mode, 2 ζ f = 0.84 Hz
+    const Eigen::MatrixXd rise =
+        sequence(design, Eigen::MatrixXd::Ones(design.period, 1)).topRows(first_recorded(design));
+    double left = 1.0;
+    for (Eigen::Index n = 0; n < rise.rows(); ++n) {
+      left = 1.0 - rise(n, 0) + (left - 1.0 + rise(n, 0)) * std::exp(-decay * plan.sample_time_s);
+    }
+    EXPECT_LT(left, 1.05e-4) << lines;
+    EXPECT_TRUE(design.notes.empty()) << lines;
+  }
+}
+
+TEST(ExperimentDesign, SaysWhatNeverSettles) {
+  auto model = three_modes();
+  model.frequency_hz(0) = 1.0;  // below the band
+  model.damping_ratio(0) = 0.0;
+  const auto design = experiment_design(model_of(model), small_plan(), 1);
+  ASSERT_EQ(design.notes.size(), 1U);
+  EXPECT_NE(design.notes.front().find("1 Hz has no damping"), std::string::npos);
+}
+
 TEST(ExperimentDesign, ResolvesTheNarrowestMode) {
   const auto design = experiment_design(model_of(three_modes()), small_plan(), 1);
   // 2 ζ f is 0.84, 1.15 and 2.31 Hz.

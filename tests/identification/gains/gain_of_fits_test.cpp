@@ -6,11 +6,14 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "gain_case.h"
 #include "identification/fit_data.h"
 #include "identification/gain_match.h"
 #include "identification/gains/matched_sides.h"
+#include "identification/gains/pair_evidence.h"
 #include "identification/identified.h"
 #include "modal/frf.h"
 
@@ -210,6 +213,48 @@ TEST(GainOfFits, IsNotKnownOfAPairThatNoModeComparesWithOthers) {
   // The gain of one pair over that of all pairs is 1.
   options.pairs.resize(1);
   EXPECT_EQ(matched(made, fit, options).pairs[0].ratio_std, 0.0);
+}
+
+// Two pairs that some modes see, and two that the other modes see: nothing compares the gains of
+// the ones with those of the others.
+TEST(GainOfFits, IsNotKnownBetweenPairsThatNoModeCompares) {
+  const auto made = part(simulators::beam5x5(quiet()), {0, 1, 3, 4}, {0, 1, 3, 4});
+  const auto in_parts = [&](double gain_of_second) {
+    auto fit = true_fit(made);
+    for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) {
+      const Eigen::Index unseen = m < 3 ? 2 : 0;
+      fit.model.output_shapes.col(m).segment(unseen, 2).setZero();
+      fit.model.input_shapes.row(m).segment(unseen, 2).setZero();
+    }
+    fit.model.output_shapes.row(0) *= 1.2;
+    fit.model.output_shapes.row(1) /= 1.2;
+    fit.model.output_shapes.middleRows(2, 2) *= gain_of_second;
+    auto options = with_pairs(made);
+    options.fault = GainFault::outputs;
+    return matched(made, fit, options);
+  };
+  const auto match = in_parts(1.0);
+  const auto other = in_parts(1.5);
+  ASSERT_EQ(match.pairs.size(), 4U);
+  const std::vector<double> ratios{1.2, 1.0 / 1.2, 1.0, 1.0};
+  for (std::size_t c = 0; c < 4; ++c) {
+    EXPECT_GE(match.pairs[c].modes, 2) << c;
+    EXPECT_EQ(match.pairs[c].part, c < 2 ? 0 : 1) << c;
+    EXPECT_NEAR(match.pairs[c].ratio, ratios[c], 1e-6) << c;
+    EXPECT_NEAR(other.pairs[c].ratio, ratios[c], 1e-6) << c;  // the data do not tell the 1.5
+    EXPECT_EQ(match.pairs[c].ratio_std, std::numeric_limits<double>::infinity()) << c;
+    EXPECT_LT(match.pairs[c].part_std, 0.01) << c;
+  }
+  const auto tells_parts = [](const std::string& text) {
+    return text.find("between the parts is not known (y1/u1, y2/u2; y4/u4, y5/u5)") !=
+           std::string::npos;
+  };
+  EXPECT_TRUE(std::ranges::any_of(match.warnings, tells_parts)) << match.warnings.back();
+  // Each part has one freedom; the mean of two gains is off by the scatter over √2.
+  const double scatter = std::log(1.2);
+  const auto& mode = match.modes[0];
+  EXPECT_NEAR(mode.alpha_std / mode.alpha, 0.5 * scatter / std::sqrt(2.0), 0.05 * scatter);
+  EXPECT_NEAR(gain_scatter(match.pairs), scatter, 1e-6);
 }
 
 }  // namespace

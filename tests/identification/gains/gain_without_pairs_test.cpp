@@ -143,7 +143,7 @@ struct FreePlate {
     fit.model.input_shapes.topRows(told) = svd.matrixV().leftCols(told).transpose();
     return fit;
   }
-  [[nodiscard]] GainMatch match(Eigen::Index rigid) const {
+  [[nodiscard]] modal::FrfSet channels() const {
     modal::FrfSet set;
     const auto add = [](const std::string& letter, const Eigen::MatrixX3d& places,
                         std::vector<modal::MeasuredChannel>& channels) {
@@ -157,7 +157,10 @@ struct FreePlate {
     };
     add("y", sensors, set.outputs);
     add("u", actuators, set.inputs);
-    return channel_gains(fit(rigid), set, {}, {}).match;
+    return set;
+  }
+  [[nodiscard]] GainMatch match(Eigen::Index rigid) const {
+    return channel_gains(fit(rigid), channels(), {}, {}).match;
   }
 };
 
@@ -244,6 +247,50 @@ TEST(GainWithoutPairs, MatchesABlockByItsPairs) {
   const Eigen::MatrixXd known = made.truth.output_shapes.middleCols(1, 2);
   EXPECT_LT((block * block.transpose() - known * known.transpose()).norm(),
             1e-10 * known.squaredNorm());
+}
+
+// All actuators turned on a free body without pairs: their sign is that of a positive mass, and the
+// results are those of actuators along their directions.
+TEST(GainWithoutPairs, TellsTheSideOfActuatorsByTheMassAtZero) {
+  FreePlate plate{
+      Eigen::MatrixX3d{{-0.2, -0.1, 0.0}, {0.2, -0.1, 0.0}, {-0.2, 0.15, 0.0}, {0.2, 0.1, 0.0}},
+      Eigen::MatrixX3d{{-0.1, 0.05, 0.0}, {0.15, -0.05, 0.0}, {0.05, 0.2, 0.0}}};
+  const auto straight = plate.match(3);
+  plate.inverse_mass *= -1.0;  // the products of turned actuators
+  const auto turned = plate.match(3);
+  ASSERT_TRUE(straight.rigid && turned.rigid);
+  EXPECT_TRUE(straight.warnings.empty());
+  EXPECT_TRUE(is_warned(turned, "the modes at 0 Hz say that sensors and actuators count in"));
+  EXPECT_EQ(straight.side, 1);
+  EXPECT_EQ(turned.side, -1);
+  for (const auto& mode : turned.modes) {
+    EXPECT_EQ(mode.by, MatchedBy::geometry);
+    EXPECT_EQ(mode.sign, -1);
+  }
+  const auto expect_same = [](const Eigen::MatrixXd& one, const Eigen::MatrixXd& other) {
+    EXPECT_LT((one - other).norm(), 1e-9 * other.norm());
+  };
+  expect_same(turned.rigid->mass, straight.rigid->mass);
+  expect_same(turned.shapes, straight.shapes);
+  expect_same(turned.input_shapes, straight.input_shapes);
+  EXPECT_TRUE(turned.deviation.allFinite());
+  EXPECT_LT((turned.shapes.topRows(4) * driving_shapes(turned) - plate.products()).norm(),
+            1e-9 * plate.products().norm());
+}
+
+// Lines that begin far above the rigid body hold noise at 0 Hz alone. Its mass may come out
+// negative, but not beyond chance.
+TEST(GainWithoutPairs, TurnsNoActuatorsByNoiseAtZero) {
+  const FreePlate plate{
+      Eigen::MatrixX3d{{-0.2, -0.1, 0.0}, {0.2, -0.1, 0.0}, {-0.2, 0.15, 0.0}, {0.2, 0.1, 0.0}},
+      Eigen::MatrixX3d{{-0.1, 0.05, 0.0}, {0.15, -0.05, 0.0}, {0.05, 0.2, 0.0}}};
+  simulators::Dice dice(1);
+  auto fit = plate.fit(3);
+  for (int draw = 0; draw < 400; ++draw) {
+    fit.model.output_shapes = dice.normal(4, 3);
+    fit.model.input_shapes = dice.normal(3, 3);
+    EXPECT_EQ(channel_gains(fit, plate.channels(), {}, {}).match.side, 1) << draw;
+  }
 }
 
 // The simulation of the wafer table at the channels of a case.
