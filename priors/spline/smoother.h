@@ -8,8 +8,8 @@ namespace chladni::priors {
 
 /// The choice of the smoothing λ. There are n values and n − p contrasts beyond the free part.
 enum class SmoothingRule {
-  reml_known_noise,  ///< likelihood of the contrasts, with the stated noise
-  reml,              ///< the same with learned noise
+  reml_known_noise,              ///< likelihood of the contrasts, with the stated noise
+  reml,                          ///< the same with learned noise
   generalised_cross_validation,  ///< Σ c_m ε_m², c_m = ((1 − A_mm) / (1 − tr A / n))²
   leave_one_out,                 ///< Σ ε_m², ε_m the error at m of the fit without value m
 };
@@ -54,7 +54,9 @@ class Smoother {
   /// The minimum of the criterion: the best of a grid of 8 per decade, then the root of its slope.
   /// @param noise  stated σ. `reml` learns its own, σ² = Σ z² h / (n − p). The cross-validations
   /// take Σ z² h² / Σ h (Wahba 1983), but at least the stated noise: it would vanish if they follow
-  /// the values too closely. Cost: n² for each of some 250 points.
+  /// the values too closely. One contrast tells its size and not how much of it is noise; there,
+  /// and where no value is foretold by the others, each rule is `reml_known_noise`.
+  /// Cost: n² for each of some 250 points.
   [[nodiscard]] Smoothing chosen(const Eigen::VectorXd& values, SmoothingRule rule,
                                  double noise) const;
 
@@ -83,6 +85,8 @@ class Smoother {
   };
   [[nodiscard]] Lowest lowest(const Eigen::VectorXd& values, SmoothingRule rule, double noise,
                               double loudness) const;
+  /// Whether the others tell a value, n: without it they determine the free part.
+  [[nodiscard]] Eigen::Array<bool, Eigen::Dynamic, 1> is_foretold() const;
   void decompose(const Eigen::MatrixXd& rest);
   [[nodiscard]] Eigen::ArrayXd contrasts(const Eigen::VectorXd& values) const;
   [[nodiscard]] Eigen::ArrayXd shrinkage(double lambda) const;
