@@ -66,6 +66,7 @@ Smoother::Smoother(const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& trend,
   require(pivots.minCoeff() > kRankLost * pivots.maxCoeff(),
           "smoother: the places do not determine the free part");
   decompose(q.rightCols(n - p));
+  foretold_ = directions_.cwiseAbs2().rowwise().sum().array() > kAlone;
 }
 
 void Smoother::decompose(const Eigen::MatrixXd& rest) {
@@ -102,22 +103,17 @@ Eigen::ArrayXd Smoother::shrinkage(double lambda) const {
   return 1.0 / (1.0 + eigenvalue_.array() / lambda);
 }
 
-Eigen::Array<bool, Eigen::Dynamic, 1> Smoother::is_foretold() const {
-  return directions_.cwiseAbs2().rowwise().sum().array() > kAlone;
-}
-
 Smoother::Criterion Smoother::cross_validation(const Eigen::ArrayXd& z,
                                                const Eigen::ArrayXd& h) const {
-  const auto counts = is_foretold();
   const Eigen::ArrayXd change = h * (1.0 - h);
   const Eigen::MatrixXd squares = directions_.cwiseAbs2();
   const Eigen::ArrayXd left = directions_ * (h * z).matrix();
   const Eigen::ArrayXd left_change = directions_ * (change * z).matrix();
   const Eigen::ArrayXd share = squares * h.matrix();  // 1 − A_mm
   const Eigen::ArrayXd share_change = squares * change.matrix();
-  const Eigen::ArrayXd error = counts.select(left / share, 0.0);
+  const Eigen::ArrayXd error = foretold_.select(left / share, 0.0);
   const Eigen::ArrayXd slope = 2.0 * error * (left_change - error * share_change) / share;
-  return {error.square().sum(), counts.select(slope, 0.0).sum()};
+  return {error.square().sum(), foretold_.select(slope, 0.0).sum()};
 }
 
 Smoother::Criterion Smoother::criterion(const Eigen::VectorXd& values, SmoothingRule rule,
@@ -173,7 +169,7 @@ Smoothing Smoother::chosen(const Eigen::VectorXd& values, SmoothingRule rule, do
   const bool bends = contrast_count() > 0 && eigenvalue_.maxCoeff() > 0.0;
   if (!bends || squares <= kNothingLeft * all) return given(values, kFlat, noise);
 
-  if (contrast_count() == 1 || !is_foretold().any()) rule = SmoothingRule::reml_known_noise;
+  if (contrast_count() == 1 || !foretold_.any()) rule = SmoothingRule::reml_known_noise;
   const bool known = rule == SmoothingRule::reml_known_noise;
   const auto found = lowest(values, rule, noise, known ? squares / (noise * noise) : 0.0);
   const Eigen::ArrayXd h = shrinkage(found.lambda);
@@ -199,8 +195,8 @@ Eigen::VectorXd Smoother::left_out_errors(const Eigen::VectorXd& values, double 
   const Eigen::ArrayXd h = shrinkage(lambda);
   const Eigen::VectorXd left = directions_ * (h * contrasts(values)).matrix();
   const Eigen::VectorXd share = directions_.cwiseAbs2() * h.matrix();
-  return is_foretold().select((left.cwiseQuotient(share).cwiseProduct(deviation_)).array(),
-                              std::numeric_limits<double>::quiet_NaN());
+  return foretold_.select((left.cwiseQuotient(share).cwiseProduct(deviation_)).array(),
+                          std::numeric_limits<double>::quiet_NaN());
 }
 
 Eigen::VectorXd Smoother::influence(double lambda) const {

@@ -85,19 +85,18 @@ class Smoother {
   };
   [[nodiscard]] Lowest lowest(const Eigen::VectorXd& values, SmoothingRule rule, double noise,
                               double loudness) const;
-  /// Whether the others tell a value, n: without it they determine the free part.
-  [[nodiscard]] Eigen::Array<bool, Eigen::Dynamic, 1> is_foretold() const;
   void decompose(const Eigen::MatrixXd& rest);
   [[nodiscard]] Eigen::ArrayXd contrasts(const Eigen::VectorXd& values) const;
   [[nodiscard]] Eigen::ArrayXd shrinkage(double lambda) const;
   [[nodiscard]] Criterion cross_validation(const Eigen::ArrayXd& z, const Eigen::ArrayXd& h) const;
 
-  Eigen::VectorXd deviation_;   // n
-  Eigen::MatrixXd scaled_;      // n×n: K over ν on both sides
-  Eigen::MatrixXd free_;        // n×p: Q of T over ν
-  Eigen::MatrixXd triangle_;    // p×p: its R
-  Eigen::MatrixXd directions_;  // n×(n−p): orthonormal to the free part, diagonalise K
-  Eigen::VectorXd eigenvalue_;  // n−p, 0 or more
+  Eigen::VectorXd deviation_;     // n
+  Eigen::MatrixXd scaled_;        // n×n: K over ν on both sides
+  Eigen::MatrixXd free_;          // n×p: Q of T over ν
+  Eigen::MatrixXd triangle_;      // p×p: its R
+  Eigen::MatrixXd directions_;    // n×(n−p): orthonormal to the free part, diagonalise K
+  Eigen::VectorXd eigenvalue_;    // n−p, 0 or more
+  Eigen::ArrayX<bool> foretold_;  // n: the others tell the value, they determine the free part
 };
 
 }  // namespace chladni::priors
