@@ -145,10 +145,12 @@ void run_all(const SweepCommand& command, const sweep::Sweep& sweep,
     const std::scoped_lock lock(speaking);
     said << fmt::format("variant {}: {}\n", index + 1, what);
   };
-  const auto tell_progress = [&](long long ended) {
-    const std::scoped_lock lock(speaking);
+  const auto tell_ended = [&] {
+    const std::scoped_lock lock(speaking);  // counted and told at once: the last told is the whole
+    ++tally.ended;
     try {
-      tell(progress, "sweeping", static_cast<double>(ended) / static_cast<double>(list.size()));
+      tell(progress, "sweeping",
+           static_cast<double>(tally.ended) / static_cast<double>(list.size()));
     } catch (...) {
       stopped = true;
       throw;
@@ -165,7 +167,7 @@ void run_all(const SweepCommand& command, const sweep::Sweep& sweep,
       ++tally.failed;
       if (met.outcome == sweep::Outcome::ran) tell_failure(list[i], met.record->error);
     }
-    tell_progress(++tally.ended);
+    tell_ended();
   });
 }
 

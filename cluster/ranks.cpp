@@ -15,6 +15,7 @@
 #include "cluster/reply.h"
 #include "fem/given_modes.h"
 #include "host/descriptor.h"
+#include "host/folder.h"
 #include "host/worker.h"
 #include "io/matrix.h"
 
@@ -43,10 +44,7 @@ class Exchange {
                        folder_.string() + ": no such folder can be made for the ranks");
     }
   }
-  ~Exchange() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
+  ~Exchange() { remove_whole(folder_); }
   Exchange(const Exchange&) = delete;
   Exchange& operator=(const Exchange&) = delete;
   Exchange(Exchange&&) = delete;

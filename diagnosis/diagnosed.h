@@ -39,9 +39,11 @@ struct Cause {
   std::vector<CauseParameter> parameters;
   std::vector<CauseParameter> fixed;     ///< fixed by the option, std 0: "factor", "derivative"
   std::optional<Eigen::Vector2d> place;  ///< on the chart [m]: parameters "u" and "v"
-  double log_evidence_gain = 0.0;        ///< loss of ln Z if only this cause is left out
-  double probability = 0.0;              ///< posterior that this cause, and no rival, is present
-  double share = 0.0;                    ///< part of the initial excess misfit that it removes
+  /// Loss of ln Z if only this cause is left out. Of modes it may be an upper bound
+  /// (modes/modes_verdict.h).
+  double log_evidence_gain = 0.0;
+  double probability = 0.0;  ///< posterior that this cause, and no rival, is present
+  double share = 0.0;        ///< part of the initial excess misfit that it removes
 };
 
 /// A set of causes that explains the data together.
@@ -62,7 +64,8 @@ struct Superclass {
   std::string name;     ///< "sensor", "actuator", "place", "all sensors alike", "frequencies", ...
   std::string channel;  ///< for a row or a column
   std::optional<Eigen::Vector2d> place;
-  double explained = 0.0;  ///< part of the excess misfit that a free function of frequency removes
+  /// Part of the excess misfit that a free function of frequency removes. NaN: not known, of modes.
+  double explained = 0.0;
   Eigen::VectorXd frequency_hz;
   Eigen::VectorXcd curve;  ///< that function
 };
@@ -85,6 +88,8 @@ struct DiagnosisOptions {
   Levels levels = Levels::learned;
   /// Lines of the search, at most; the last fit takes twice as many.
   int lines = kConstants.lines_of_search;
+  /// Causes that are added, at most. Of responses, wrong readings of channels (sign, unit,
+  /// quantity, delay) are put right before and do not count.
   int most_causes = kConstants.most_causes;
   /// Asks responses only whether one cause explains much. A few quick fits on the lines of the
   /// search, no last fits, no test on held-out data. No verdict of it is final.

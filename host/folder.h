@@ -11,6 +11,11 @@ namespace chladni {
 /// @throws std::bad_alloc
 [[nodiscard]] std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folder);
 
+/// Removes a file, or a folder with all that is in it; what cannot be removed stays. A link goes,
+/// and what it leads to stays. Takes no memory, so that it also tidies up where there is none:
+/// libstdc++ 12 ends the process then.
+void remove_whole(const std::filesystem::path& path) noexcept;
+
 /// `target` as it is seen from `folder`. Links on both ways are followed, so that the system finds
 /// it after the "..".
 /// @throws std::filesystem::filesystem_error  a loop of links

@@ -32,6 +32,10 @@ struct SimulatedChannels {
 struct GainSimulation {
   std::function<SimulatedChannels()> at_channels;  ///< for pairs whose two places differ
   std::function<GainPrior()> prior;                ///< for modes that no pair scales
+  /// The diagonal of the body [m]. A sensor and an actuator that act along one line are in one
+  /// place on the two faces of a plate, not at the ends of a bar; without it they are wherever they
+  /// are.
+  std::function<double()> size_m = {};
 };
 
 struct ChannelGains {
@@ -45,7 +49,8 @@ struct ChannelGains {
 [[nodiscard]] std::vector<CollocatedPair> channel_pairs(const GainPlan& plan,
                                                         const modal::FrfSet& channels);
 
-/// Matches the gains by the pairs, by rigid-body motion and by the simulation.
+/// Matches the gains by the pairs, by rigid-body motion and by the simulation. Pairs that are not
+/// named and lie farther apart along their line than a quarter of the body are none.
 /// @param channels  those of the fit, with their places and directions
 /// @throws InvalidInput  as `gain_match` and `stated_suspension`; suspended modes are stated, but
 ///                       the channels do not all act along z

@@ -241,6 +241,12 @@ struct Constants {
   static constexpr double sole_response = 0.01;
 
   // Gains.
+  /// Distance along their line, at most, of a sensor and an actuator at one place: on the two faces
+  /// of a plate [diagonals of the body] (chosen).
+  static constexpr double through_place = 0.05;
+  /// The same of a pair that nobody names; the ends of a bar are none [diagonals of the body]
+  /// (chosen).
+  static constexpr double through_pair = 0.25;
   /// Part of an imaginary shape that damping between modes need not explain [1] (chosen, fa3f565).
   static constexpr double imaginary_slack = 0.02;
   /// Frequency of the next mode over that of a suspended one, at least [1] (chosen, fd8154b).

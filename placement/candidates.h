@@ -15,6 +15,9 @@ struct Grid {
   int columns = 0, rows = 0;                         ///< along x and y
 };
 
+/// Its places (x, y), column by column [m].
+[[nodiscard]] std::vector<Eigen::Vector2d> places_of(const Grid& grid);
+
 /// Allowed places of devices.
 struct Candidates {
   Sites sites;

@@ -43,8 +43,8 @@ struct Constants {
   static constexpr int refine_steps = 200;
   /// Step on the surface that gives the slope of a mode [diagonals of the body] (chosen, 8de1b5e).
   static constexpr double slope_step = 1e-3;
-  /// Distance of the rim of a footprint from the surface above which it reaches beyond an edge
-  /// [radii] (chosen, 8de1b5e).
+  /// Distance of the rim of a footprint from the surface, beyond its bend, above which it reaches
+  /// beyond an edge [radii] (chosen, 8de1b5e).
   static constexpr double rim_off = 0.05;
   /// Pieces of a curved edge from which a distance is kept [1] (chosen, caf9022).
   static constexpr int pieces = 8;

@@ -56,6 +56,9 @@ struct Constants {
   /// Distance below which two places are one, and a sensor is collocated with an actuator
   /// [diagonals of the places] (chosen, e9c982c).
   static constexpr double same_place = 1e-6;
+  /// Distance along the direction of a channel, at most, of two places that are one for it: the two
+  /// faces of a plate [diagonals of the surface] (chosen).
+  static constexpr double through_body = 0.05;
   /// Angle between two directions below which they are one [rad] (chosen, 64f1e34).
   static constexpr double same_direction = 1e-6;
   /// Difference of two values of one place above which a channel is at fault [deviations] (chosen,

@@ -48,7 +48,8 @@ Progress PythonWork::progress() {
 void PythonWork::hear(std::string_view step, double fraction) {
   using namespace std::chrono_literals;
   const auto now = std::chrono::steady_clock::now();
-  if (step == last_step_ && now - last_time_ < 100ms) return;
+  const bool is_end = fraction >= 1.0;  // whoever counts on it waits for it
+  if (step == last_step_ && !is_end && now - last_time_ < 100ms) return;
   last_step_ = step;
   last_time_ = now;
   const py::gil_scoped_acquire lock;

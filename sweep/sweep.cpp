@@ -126,8 +126,7 @@ std::vector<std::string> Sweep::arguments(const fs::path& folder) const {
 
 std::optional<Record> Sweep::called(const Entry& entry, const fs::path& part,
                                     std::string& why) const {
-  std::error_code ignored;
-  fs::remove_all(part, ignored);  // of a run that was cut off
+  remove_whole(part);  // of a run that was cut off
   make_folder(part);
   write_atomically(part / "study.toml", entry.text);
   Record record;
@@ -165,8 +164,7 @@ Met Sweep::run(long long index, bool again) const {
   const auto record = called(entry, part, why);
   if (!record) return {Outcome::passing, {}, why};
   io::write_json(part / "variant.json", json_of(entry, *record));
-  std::error_code ignored;
-  fs::remove_all(entry.folder, ignored);  // what failed before
+  remove_whole(entry.folder);  // what failed before
   fs::rename(part, entry.folder);
   return {Outcome::ran, record, {}};
 }

@@ -44,7 +44,8 @@ State state_of(const Structure& structure) {
   state.outputs = structure.outputs.shapes;
   state.inputs = structure.inputs.shapes.transpose();
   state.residual = structure.residual;
-  const bool above = structure.outputs.upper.size() > 0 && structure.inputs.upper.size() > 0;
+  // A side that was not measured has no rows. The modes above are there all the same.
+  const bool above = structure.outputs.upper.cols() > 0 && structure.inputs.upper.cols() > 0;
   state.output_upper =
       above ? structure.outputs.upper : Eigen::MatrixXd(structure.output_count(), 0);
   state.input_upper = above ? structure.inputs.upper : Eigen::MatrixXd(structure.input_count(), 0);

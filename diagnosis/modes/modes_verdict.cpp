@@ -22,7 +22,9 @@ namespace {
 
 using Eigen::Index;
 
-// ln evidence of the best fit without cause `which`: one with the other causes, or with none.
+// ln evidence of the best fit without cause `which`: one with the other causes, or with none. A fit
+// with the other causes may be missing, because its last cause was not significant. Its evidence
+// may be higher than that of the fit with none, so the gain that follows is then an upper bound.
 double evidence_without(const Structure& structure, const ModesFound& found, const ModesFit& fit,
                         std::size_t which) {
   double best = found.nothing.log_evidence;
@@ -139,8 +141,7 @@ void limit_doubtful(std::vector<Explanation>& explanations) {
   }
 }
 
-std::optional<Superclass> superclass_of(const ModesProblem& problem, const ModesFound& found,
-                                        const ModesFit& fit) {
+std::optional<Superclass> superclass_of(const ModesProblem& problem, const ModesFit& fit) {
   using What = Disturbed::What;
   if (fit.disturbed.what == What::nothing) return std::nullopt;
   const auto& measured = problem.measured();
@@ -153,8 +154,8 @@ std::optional<Superclass> superclass_of(const ModesProblem& problem, const Modes
     result.name = is_sensor ? "sensor" : "actuator";
     result.channel = (is_sensor ? measured.outputs : measured.inputs)[at(i)];
   }
-  const double gain = fit.log_evidence - found.nothing.log_evidence;
-  result.explained = gain > 0.0 ? 1.0 : 0.0;
+  // Modes have no misfit over frequency of which this were a part.
+  result.explained = std::numeric_limits<double>::quiet_NaN();
   return result;
 }
 
@@ -237,7 +238,7 @@ Diagnosis answer(const ModesProblem& problem, const ModesFound& found,
   diagnosis.best = explanations.front();
   diagnosis.rivals.assign(explanations.begin() + 1, explanations.end());
   if (diagnosis.verdict != Verdict::no_discrepancy) {
-    diagnosis.superclass = superclass_of(problem, found, best);
+    diagnosis.superclass = superclass_of(problem, best);
   }
   if (problem.prior().width > 0.0) {
     diagnosis.levels_before = levels_of(problem, found.nothing);

@@ -319,7 +319,8 @@ std::vector<Fit> with_free_gains(const Level& level) {
   return best;
 }
 
-// Grows explanations from the channels as they seem to be read (readings.h). Where that is one
+// Grows explanations from the channels as they seem to be read (readings.h). Readings do not count
+// among SearchLimits::most_causes, and large causes are looked for beside them. Where that is one
 // cause at most, or leaves much, also from nothing. Returns the readings.
 std::vector<Supposed> grow_from_readings(const Level& level, Found& found) {
   const Fit nothing = found.nothing;

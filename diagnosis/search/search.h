@@ -10,6 +10,8 @@
 namespace chladni::diagnosis {
 
 struct SearchLimits {
+  /// Causes that the search adds, at most. Readings of channels (readings.h) do not count: they are
+  /// put right before, and any number of channels may be read in a wrong way.
   int most_causes = kConstants.most_causes;
   int fits_per_level = kConstants.fits_per_level;  ///< fits in full per explanation
   int lines_of_scene = kConstants.lines_of_scene;  ///< at most, for a first look

@@ -81,7 +81,7 @@ ChannelSide part_of(const ChannelSide& side, const std::vector<Eigen::Index>& ro
   part.aside_u = take(side.aside_u);
   part.aside_v = take(side.aside_v);
   part.places = side.places(rows, Eigen::all);
-  if (side.upper.size() > 0) part.upper = side.upper(rows, Eigen::all);
+  if (side.upper.cols() > 0) part.upper = side.upper(rows, Eigen::all);
   return part;
 }
 

@@ -221,12 +221,7 @@ double speed_of(const mesh::TetMesh& body, const std::vector<Material>& material
   double stiffness = 0.0;
   double mass = 0.0;
   for (Eigen::Index t = 0; t < body.tet_count(); ++t) {
-    Eigen::Matrix3d edges;
-    for (int k = 0; k < 3; ++k) {
-      edges.col(k) =
-          (body.points.row(body.tets(t, k + 1)) - body.points.row(body.tets(t, 0))).transpose();
-    }
-    const double volume = std::abs(edges.determinant());
+    const double volume = std::abs(straight_cell(body, t).volume);
     const auto& material = materials[static_cast<std::size_t>(body.region(t))];
     stiffness += volume * stiffness_of(material);
     mass += volume * material.density;

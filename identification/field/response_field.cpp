@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "identification/damping_coupling.h"
 #include "identification/field/rigid_band.h"
+#include "identification/gains/pair_evidence.h"
 
 namespace chladni::identification {
 namespace {
@@ -221,9 +222,8 @@ std::string why_none_has_scale(const ModalFit& fit, const GainMatch& match) {
   for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
     if (rows_without(fit, match, m).empty()) continue;
     return "no identified mode is known at all channels; where these are in parts without a "
-           "response "
-           "between them, each mode is known in one part: measure one response between the "
-           "parts, or predict from one of them alone";
+           "response between them, each mode is known in one part: measure one response between "
+           "the parts, or predict from one of them alone";
   }
   return "no identified mode has a known scale: name a pair of a sensor and an actuator at one "
          "place (identification.pair of a study)";
@@ -269,7 +269,6 @@ double gain_deviation(const ChannelGains& gains) {
   double square = 0.0;
   double excess = 0.0;
   double telling = 0.0;
-  double parts = 1.0;
   for (const auto& pair : pairs) {
     if (pair.modes == 0) continue;  // it says nothing
     telling += 1.0;
@@ -277,9 +276,8 @@ double gain_deviation(const ChannelGains& gains) {
     const double deviation = std::isfinite(pair.ratio_std) ? pair.ratio_std : pair.part_std;
     square += ratio * ratio;
     excess = std::max(excess, std::abs(ratio) - kBeyond * deviation);
-    parts = std::max(parts, static_cast<double>(pair.part + 1));
   }
-  const double known = telling - parts;  // the mean of each part is 0
+  const double known = telling - static_cast<double>(gain_parts(pairs));  // a mean of 0 in each
   if (known < 1.0) return gains.corrects_gains ? kLevel : 0.0;
   if (gains.corrects_gains) square += kWorth * kLevel * kLevel;
   if (!gains.corrects_gains && excess <= 0.0) return 0.0;

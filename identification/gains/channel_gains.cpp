@@ -1,5 +1,6 @@
 #include "identification/channel_gains.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -7,6 +8,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "identification/constants.h"
 #include "identification/gains/pair_evidence.h"
 #include "identification/suspension.h"
 #include "priors/learned_corrections.h"
@@ -23,11 +25,43 @@ Eigen::Index channel_index(const std::vector<modal::MeasuredChannel>& channels,
   return found == channels.end() ? -1 : found - channels.begin();
 }
 
-bool is_apart(const modal::FrfSet& channels, const CollocatedPair& pair) {
+// Distance of the two places of a pair along the sensor's direction and across it [m].
+struct Apart {
+  double along, across;
+};
+
+Apart apart(const modal::FrfSet& channels, const CollocatedPair& pair) {
   const auto& output = channels.outputs[static_cast<std::size_t>(pair.output)];
   const auto& input = channels.inputs[static_cast<std::size_t>(pair.input)];
-  const Eigen::Vector3d apart = *output.position - *input.position;
-  return (apart - output.direction * output.direction.dot(apart)).norm() > kOnePlace;
+  const Eigen::Vector3d between = *output.position - *input.position;
+  const double along = output.direction.dot(between);
+  return {std::abs(along), (between - along * output.direction).norm()};
+}
+
+double diagonal_of_places(const modal::FrfSet& channels) {
+  Eigen::AlignedBox3d box;
+  for (const auto* side : {&channels.outputs, &channels.inputs}) {
+    for (const auto& channel : *side) box.extend(*channel.position);
+  }
+  return box.isEmpty() ? 0.0 : box.diagonal().norm();
+}
+
+// Diagonal of the body [m], at least that of its channels, which does where no pair needs more;
+// infinite where it is not known.
+double size_of(const modal::FrfSet& channels, const std::vector<CollocatedPair>& pairs,
+               const GainSimulation& simulation) {
+  const double seen = diagonal_of_places(channels);
+  const bool is_thin = std::ranges::all_of(pairs, [&](const auto& pair) {
+    return apart(channels, pair).along <= Constants::through_place * seen;
+  });
+  if (is_thin) return seen;
+  return simulation.size_m ? std::max(seen, simulation.size_m())
+                           : std::numeric_limits<double>::infinity();
+}
+
+bool is_apart(const modal::FrfSet& channels, const CollocatedPair& pair, double size) {
+  const auto [along, across] = apart(channels, pair);
+  return across > kOnePlace || along > Constants::through_place * size;
 }
 
 double alike(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
@@ -56,10 +90,11 @@ Eigen::Index simulated_mode(const modal::ReducedModel& fit, Eigen::Index mode,
 
 // Adds the simulated shapes at the two places of each pair that are apart, mode by mode.
 void add_simulated_shapes(const modal::ReducedModel& fit, const modal::FrfSet& channels,
-                          const SimulatedChannels& simulation, std::vector<CollocatedPair>& pairs) {
+                          const SimulatedChannels& simulation, double size,
+                          std::vector<CollocatedPair>& pairs) {
   const auto m = fit.mode_count();
   for (auto& pair : pairs) {
-    if (!is_apart(channels, pair)) continue;
+    if (!is_apart(channels, pair, size)) continue;
     pair.at_output.setConstant(m, pair.sign);
     pair.at_input.setOnes(m);
     for (auto mode = fit.rigid_count; mode < m; ++mode) {
@@ -193,10 +228,16 @@ ChannelGains channel_gains(const ModalFit& fit, const modal::FrfSet& channels, c
   }
   ChannelGains gains;
   gains.pairs = channel_pairs(plan, channels);
-  const bool some_apart =
-      std::ranges::any_of(gains.pairs, [&](const auto& pair) { return is_apart(channels, pair); });
+  const double size = size_of(channels, gains.pairs, simulation);
+  if (plan.pairs.empty()) {
+    std::erase_if(gains.pairs, [&](const auto& pair) {
+      return apart(channels, pair).along > Constants::through_pair * size;
+    });
+  }
+  const bool some_apart = std::ranges::any_of(
+      gains.pairs, [&](const auto& pair) { return is_apart(channels, pair, size); });
   if (some_apart && simulation.at_channels) {
-    add_simulated_shapes(fit.model, channels, simulation.at_channels(), gains.pairs);
+    add_simulated_shapes(fit.model, channels, simulation.at_channels(), size, gains.pairs);
   }
   GainMatchOptions options;
   options.pairs = gains.pairs;

@@ -144,8 +144,7 @@ void find_signs(Matching& state) {
       state.match.warnings.emplace_back(
           told.by == ToldSide::at_zero
               ? "the modes at 0 Hz say that sensors and actuators count in opposite directions: "
-                "the "
-                "mass of the body would be negative"
+                "the mass of the body would be negative"
               : "the suspended modes say that sensors and actuators count in opposite directions");
     }
   }

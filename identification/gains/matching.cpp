@@ -334,17 +334,21 @@ bool matched(Matching& state, std::size_t group) {
 
 }  // namespace
 
+TwoSides turned(TwoSides sides) {
+  const auto p = sides.outputs.size();
+  const auto q = sides.inputs.size();
+  sides.inputs *= -1.0;
+  sides.covariance.topRightCorner(p, q) *= -1.0;
+  sides.covariance.bottomLeftCorner(q, p) *= -1.0;
+  return sides;
+}
+
 TwoSides sides_of(const Matching& state, std::size_t group) {
   const auto mode = state.groups[group].first;
-  return {state.fit.model.output_shapes.col(mode),
-          state.side * state.fit.model.input_shapes.row(mode).transpose(),
-          [&] {
-            auto covariance = shape_covariance(state.fit, mode);
-            covariance.topRightCorner(state.p(), state.q()) *= state.side;
-            covariance.bottomLeftCorner(state.q(), state.p()) *= state.side;
-            return covariance;
-          }(),
-          ties_of(state, group)};
+  TwoSides sides{state.fit.model.output_shapes.col(mode),
+                 state.fit.model.input_shapes.row(mode).transpose(),
+                 shape_covariance(state.fit, mode), ties_of(state, group)};
+  return state.side < 0 ? turned(std::move(sides)) : sides;
 }
 
 BlockSides fitted_block(const Matching& state, const modal::ModeGroup& group) {

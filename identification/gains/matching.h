@@ -56,6 +56,9 @@ void match_group(Matching& state, std::size_t group);
 /// Both sides of a single mode as fitted, with the sign of the side.
 [[nodiscard]] TwoSides sides_of(const Matching& state, std::size_t group);
 
+/// The same with the other sign of the inputs.
+[[nodiscard]] TwoSides turned(TwoSides sides);
+
 /// The shapes of a block of g modes, p×g and g×q.
 struct BlockSides {
   Eigen::MatrixXd outputs, inputs;

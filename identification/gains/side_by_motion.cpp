@@ -23,12 +23,8 @@ double motion_misfit(const TwoSides& sides, const RigidGeometry& geometry) {
 int vote_of_suspended(const Matching& state, std::size_t group) {
   const auto& geometry = *state.options.geometry;
   const auto sides = sides_of(state, group);
-  auto turned = sides;
-  turned.inputs *= -1.0;
-  turned.covariance.topRightCorner(state.p(), state.q()) *= -1.0;
-  turned.covariance.bottomLeftCorner(state.q(), state.p()) *= -1.0;
   const double as_is = motion_misfit(sides, geometry);
-  const double other = motion_misfit(turned, geometry);
+  const double other = motion_misfit(turned(sides), geometry);
   if (as_is == other) return 0;
   return as_is < other ? 1 : -1;
 }

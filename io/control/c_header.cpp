@@ -137,8 +137,8 @@ static inline void chladni_step(chladni_model* m, const double u[CHLADNI_INPUTS]
 
 constexpr const char* kDisplacement = R"(
 /* C(rho) x: the displacement of the model's state, [m] where all is in SI, at a place whose
-   mass-normalised shape values are phi [kg^-1/2], one for each mode. Delays of outputs and the flexibility of omitted modes are
-   not in it. */
+   mass-normalised shape values are phi [kg^-1/2], one for each mode. Delays of outputs and the
+   flexibility of omitted modes are not in it. */
 static inline double chladni_displacement_at(const chladni_model* m,
                                              const double phi[CHLADNI_MODES]) {
   double sum = 0.0;

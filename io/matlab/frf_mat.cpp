@@ -23,6 +23,11 @@ namespace {
 
 using Index = Eigen::Index;
 
+// Names of the variables, the first that is there counts.
+const std::initializer_list<std::string_view> kResponseNames{"H", "G", "frf", "ResponseData"};
+const std::initializer_list<std::string_view> kFrequencyNames{
+    "freq_hz", "frequency_hz", "f_hz", "freqHz", "frequency", "freq", "f", "freqs", "omega", "w"};
+
 /// The positions of lines, outputs and inputs in an array.
 struct Layout {
   Index lines = 0, outputs = 0, inputs = 0;
@@ -70,7 +75,7 @@ class Reader {
 
   void read() {
     read_frequencies();
-    const auto* response = find({"H", "G", "frf", "ResponseData"});
+    const auto* response = find(kResponseNames);
     require(response != nullptr, "there are no responses; expected a variable H, G or frf" + had());
     require(response->kind == MatValue::Kind::number,
             "the responses are a " + response->class_name + ", expected numbers");
@@ -141,8 +146,7 @@ class Reader {
   }
 
   void read_frequencies() {
-    const auto* value = find({"freq_hz", "frequency_hz", "f_hz", "freqHz", "frequency", "freq", "f",
-                              "freqs", "omega", "w"});
+    const auto* value = find(kFrequencyNames);
     bool per_second = value != nullptr && value == mat_value(fields_, {"omega", "w"});
     require(value != nullptr, "there are no frequencies; expected a variable freq_hz" + had());
     file_.set.frequency_hz = mat_numbers(value, "the frequencies");
@@ -309,9 +313,8 @@ class Reader {
 };
 
 bool has_responses(const MatFields& fields) {
-  return has_numbers(mat_value(fields, {"H", "G", "frf", "ResponseData"})) &&
-         has_numbers(mat_value(fields, {"freq_hz", "frequency_hz", "f_hz", "freqHz", "frequency",
-                                        "freq", "f", "freqs", "omega", "w"}));
+  return has_numbers(mat_value(fields, kResponseNames)) &&
+         has_numbers(mat_value(fields, kFrequencyNames));
 }
 
 // The variables of the file, or the fields of the one structure with responses. Notes the

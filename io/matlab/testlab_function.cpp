@@ -41,11 +41,9 @@ std::string text_in(const MatValue* value) {
 
 // The number in a field; none where it is missing or empty.
 std::optional<double> number_in_field(const MatFields& fields, std::string_view name) {
-  const auto numbers = mat_numbers(mat_value(fields, {name}), name);
-  if (numbers.size() == 0) return std::nullopt;
-  require(numbers.size() == 1 && std::isfinite(numbers(0)),
-          std::string(name) + " is no number; expected one");
-  return numbers(0);
+  const auto number = mat_number(mat_value(fields, {name}), name);
+  require(!number || std::isfinite(*number), std::string(name) + " is no number; expected one");
+  return number;
 }
 
 /// What `quantity` says of an axis.

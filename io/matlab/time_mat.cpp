@@ -122,9 +122,7 @@ class RecordReader {
     for (std::size_t s = 0; s < 3; ++s) {
       const auto* value = variable_of(fields_, s);
       if (value == nullptr || value->size() == 0) continue;
-      const bool is_number =
-          value->kind == MatValue::Kind::number || value->kind == MatValue::Kind::large;
-      require(is_number && value->dims.size() <= 3,
+      require(has_numbers(value) && value->dims.size() <= 3,
               std::string(kVariable[s]) + " is a " + value->class_name + " of " + mat_size(*value) +
                   ", expected samples x channels x records");
       samples_ = samples_of(*value);
@@ -156,7 +154,7 @@ class RecordReader {
     of_side_[side] = value;
     found_.insert(value);
     for (Index r = 0; r < records_ && is_whole_; ++r) {
-      auto& part = data_.records[static_cast<std::size_t>(r)].*kParts[side];
+      auto& part = data_.records[static_cast<std::size_t>(r)].*kSamplesOf[side];
       part.resize(samples_, count);
       if (count == 0) continue;
       part = numbers_(*value, r * samples_ * count, samples_ * count).reshaped(samples_, count);
@@ -310,7 +308,7 @@ class RecordReader {
     auto head = data_;
     head.records.resize(1);
     for (std::size_t s = 0; s < 3; ++s) {
-      head.records.front().*kParts[s] = Eigen::MatrixXd::Zero(1, factors_[s].size());
+      head.records.front().*kSamplesOf[s] = Eigen::MatrixXd::Zero(1, factors_[s].size());
     }
     recordings::check(head);
   }
@@ -347,7 +345,7 @@ class RecordReader {
     const auto column = static_cast<Index>(channel);
     factors_[side](column) = factor;
     for (auto& record : data_.records) {
-      if (is_whole_) (record.*kParts[side]).col(column) *= factor;
+      if (is_whole_) (record.*kSamplesOf[side]).col(column) *= factor;
     }
   }
 

@@ -20,7 +20,7 @@ MatFields mat_of_time(const recordings::TimeData& data) {
     Eigen::VectorXd numbers(samples * count * records);
     for (Eigen::Index r = 0; r < records; ++r) {
       const auto& record = data.records[static_cast<std::size_t>(r)];
-      const auto& part = record.*kParts[s];
+      const auto& part = record.*kSamplesOf[s];
       require(part.rows() == samples && part.cols() == count,
               "MAT: record " + fmt::to_string(r + 1) + " has " + fmt::to_string(part.rows()) +
                   " samples of " + kSide[s] + "s, the first has " + fmt::to_string(samples));

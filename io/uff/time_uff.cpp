@@ -6,6 +6,7 @@
 
 #include "base/interrupt.h"
 #include "io/bytes/scratch_file.h"
+#include "io/measured/record_sides.h"
 #include "io/uff/uff_recordings.h"
 
 namespace chladni::io {
@@ -23,7 +24,7 @@ Record uff_record_of(const UffRecordings& all, const UffRecord& found, const Uff
   record.experiment = found.experiment;
   record.realisation = found.realisation;
   for (const auto& part : found.parts) {
-    (record.*kUffSamples[static_cast<std::size_t>(part.side)]).col(part.channel) =
+    (record.*kSamplesOf[static_cast<std::size_t>(part.side)]).col(part.channel) =
         all.stated_factor(part) * (part.factor * uff.functions[part.function].y.real());
   }
   return record;

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "io/measured/frf_units.h"
+#include "io/measured/record_sides.h"
 #include "io/scan.h"
 #include "io/uff/time_uff.h"
 #include "io/uff/uff_channels.h"
@@ -47,7 +48,7 @@ std::string time_uff(const recordings::TimeData& data, UffEncoding encoding,
     function.load_case = record.experiment;
     function.version = record.realisation;
     for (std::size_t s = 0; s < 3; ++s) {
-      const auto& samples = record.*kUffSamples[s];
+      const auto& samples = record.*kSamplesOf[s];
       function.id[4] = std::string(kUffSide) + std::string(kUffSides[s]);
       for (std::size_t c = 0; c < sides[s]->size(); ++c) {
         const auto& channel = (*sides[s])[c];

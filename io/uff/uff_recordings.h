@@ -22,10 +22,6 @@ namespace chladni::io {
 inline constexpr std::string_view kUffSide = "side: ", kUffPeriod = "period: ";
 inline constexpr std::array<std::string_view, 3> kUffSides{"output", "input", "reference"};
 
-/// The samples of a record, by Side.
-inline constexpr std::array<Eigen::MatrixXd recordings::Record::*, 3> kUffSamples{
-    &recordings::Record::outputs, &recordings::Record::inputs, &recordings::Record::references};
-
 /// Whether a function is the time response of a channel.
 [[nodiscard]] bool is_recording(const UffFunction& function);
 

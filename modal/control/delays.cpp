@@ -92,7 +92,7 @@ void set_output(const StateSpace& from, Eigen::Index i, double time, const Eigen
   Eigen::RowVectorXd before = c * inside.before;
   Eigen::RowVectorXd after = c * inside.after;
   for (Eigen::Index j = 0; j < rest.size(); ++j) {
-    (time < rest(j) ? before : after)(j) += from.d(i, j);
+    (time < rest(j) - kSameSample * into.sample_time_s ? before : after)(j) += from.d(i, j);
   }
   into.c.row(i).head(from.a.rows()) = c * inside.state;
   into.c.row(i).tail(static_cast<Eigen::Index>(columns.size())) = before(columns);

@@ -25,6 +25,17 @@ std::vector<Eigen::Index> different_places(const Surface& surface, std::vector<E
 
 }  // namespace
 
+std::vector<Eigen::Vector2d> places_of(const Grid& grid) {
+  std::vector<Eigen::Vector2d> places;
+  for (int i = 0; i < grid.columns; ++i) {
+    for (int j = 0; j < grid.rows; ++j) {
+      const Eigen::Vector2d offset(i - 0.5 * (grid.columns - 1), j - 0.5 * (grid.rows - 1));
+      places.emplace_back(grid.centre + offset.cwiseProduct(grid.pitch));
+    }
+  }
+  return places;
+}
+
 Candidates candidates_on(const Surface& surface, const std::vector<Rule>& rules) {
   const auto rows = admissible(forbidden_by(surface.sites, rules), rules);
   return {part(surface.sites, different_places(surface, rows)), false, surface.faces};
@@ -35,13 +46,9 @@ Candidates candidates_on(const Grid& grid, const Sampler& sampler, const Surface
   const FaceFinder finder(sampler.body(), surface.faces);
   std::vector<mesh::Site> places;
   bool is_on_body = false;
-  for (int i = 0; i < grid.columns; ++i) {
-    for (int j = 0; j < grid.rows; ++j) {
-      const Eigen::Vector2d offset(i - 0.5 * (grid.columns - 1), j - 0.5 * (grid.rows - 1));
-      const Eigen::Vector2d at = grid.centre + offset.cwiseProduct(grid.pitch);
-      if (const auto site = finder.on_line(at.x(), at.y())) places.push_back(*site);
-      is_on_body = is_on_body || sampler.finder().from_above(at.x(), at.y()).has_value();
-    }
+  for (const auto& at : places_of(grid)) {
+    if (const auto site = finder.on_line(at.x(), at.y())) places.push_back(*site);
+    is_on_body = is_on_body || sampler.finder().from_above(at.x(), at.y()).has_value();
   }
   require(is_on_body || !places.empty(), "placement.grid: none of its places lies on the body");
   require(!places.empty(),

@@ -209,6 +209,18 @@ Eigen::RowVectorXd Sampler::value(const mesh::Site& site, const Eigen::Vector3d&
   return sum;
 }
 
+// Whether a point on the rim of a disc lies on the body. A curved surface falls below the plane of
+// the disc and turns: by r²/2R where it turns by r/R. Beyond an edge the surface lies aside.
+bool is_on(const mesh::Site& nearest, const Eigen::Vector3d& rim, const Eigen::Vector3d& normal,
+           double radius) {
+  constexpr double kOfTurn = 0.6;  // a little more than a half
+  const Eigen::Vector3d gap = rim - nearest.position;
+  const double along = normal.dot(gap);
+  const double turn = normal.cross(nearest.normal).norm();
+  return (gap - along * normal).norm() <= Constants::rim_off * radius &&
+         std::abs(along) <= (Constants::rim_off + kOfTurn * turn) * radius;
+}
+
 // The mean over a disc by Radon's rule of degree 5: the centre and six points at sqrt(2/3) of the
 // radius (Abramowitz and Stegun 25.4.61).
 void Sampler::see(const Eigen::Vector3d& position, const Eigen::Vector3d& normal, Eigen::Index row,
@@ -225,7 +237,7 @@ void Sampler::see(const Eigen::Vector3d& position, const Eigen::Vector3d& normal
     }
     for (int k = 0; k < 12; ++k) {
       const Eigen::Vector3d rim = position + on_circle(along, radius, k, 12);
-      if (finder_.nearest(rim).distance > Constants::rim_off * radius) {
+      if (!is_on(finder_.nearest(rim), rim, normal, radius)) {
         sites.whole[static_cast<std::size_t>(row)] = 0;
       }
     }

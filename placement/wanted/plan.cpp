@@ -22,6 +22,12 @@ void require_channels(const Channels& channels, Eigen::Index modes, const std::s
   }
   require_size(channels.lines.position.rows(), count, "the number of places of " + kind);
   require_size(channels.lines.direction.rows(), count, "the number of directions of " + kind);
+  require(channels.shapes.allFinite() && channels.slopes.allFinite() &&
+              channels.lines.position.allFinite() && channels.lines.direction.allFinite(),
+          "placement: a shape, slope, place or direction of the " + kind + " is not finite");
+  constexpr double kUnit = 1e-6;
+  require(((channels.lines.direction.rowwise().norm().array() - 1.0).abs() < kUnit).all(),
+          "placement: a direction of the " + kind + " is not of length 1");
   require(channels.stays.empty() || std::ssize(channels.stays) == count,
           "placement: `stays` has not one mark for each of the " + kind);
 }

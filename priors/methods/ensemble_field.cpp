@@ -102,6 +102,7 @@ std::unique_ptr<ModeField> field(const MeasuredShapes& measured, const Simulatio
     summary.notes.push_back(
         "the shapes are not those of any model of the ensemble: it leaves out what matters here");
   }
+  summary.notes.insert(summary.notes.end(), learned.doubts.begin(), learned.doubts.end());
   std::vector<ShapeCoefficients> known;
   for (const auto& shape : best) known.push_back(shape.coefficients);
   return std::make_unique<ModalField>(std::move(known), std::move(summary));

@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <vector>
 
 #include "priors/constants.h"
 #include "priors/methods/interpolators.h"
@@ -27,31 +30,50 @@ double expected_error(const ModalBasis& basis, const ShapeCoefficients& shape) {
 // simulated shapes; an actuator's only where the scale to the sensors' side is known.
 class OneScaleField : public ModalField {
  public:
-  OneScaleField(MeasuredShapes measured, std::vector<ShapeCoefficients> shapes, FitSummary summary)
-      : ModalField(std::move(shapes), std::move(summary)), measured_(std::move(measured)) {
-    const auto& position = measured_.places.position;
-    near_ = (position.colwise().maxCoeff() - position.colwise().minCoeff()).norm() *
-            Constants::same_place;
-  }
+  OneScaleField(MeasuredShapes measured, const Places& surface,
+                std::vector<ShapeCoefficients> shapes, FitSummary summary)
+      : ModalField(std::move(shapes), std::move(summary)),
+        measured_(std::move(measured)),
+        near_(diagonal(measured_.places.position) * Constants::same_place),
+        through_(diagonal(surface.position) * Constants::through_body) {}
 
  protected:
   [[nodiscard]] Field field_at(const Places& places) const override {
     auto field = ModalField::field_at(places);
     for (Eigen::Index i = 0; i < places.count(); ++i) {
-      for (Eigen::Index k = 0; k < measured_.places.count(); ++k) {
-        if (is_same(places, i, k)) keep(k, i, field);
-      }
+      for (const auto k : rows_at(places, i)) keep(k, i, field);
     }
     return field;
   }
 
  private:
-  // Two faces of a plate are one place for what moves across it.
+  static double diagonal(const Points& position) {
+    return (position.colwise().maxCoeff() - position.colwise().minCoeff()).norm();
+  }
+
+  // Two faces of a plate are one place for what moves across it. The ends of a bar are two places
+  // for what moves along it.
   [[nodiscard]] bool is_same(const Places& places, Eigen::Index i, Eigen::Index k) const {
     const Eigen::RowVector3d direction = measured_.places.direction.row(k);
     const Eigen::RowVector3d apart = places.position.row(i) - measured_.places.position.row(k);
-    return (apart - direction * direction.dot(apart)).norm() <= near_ &&
+    const double along = direction.dot(apart);
+    return std::abs(along) <= through_ && (apart - direction * along).norm() <= near_ &&
            (places.direction.row(i) - direction).norm() <= Constants::same_direction;
+  }
+
+  // The rows measured at a place, the one that counts last: the nearest, of one place a sensor.
+  [[nodiscard]] std::vector<Eigen::Index> rows_at(const Places& places, Eigen::Index i) const {
+    std::vector<std::tuple<double, bool, Eigen::Index>> rows;
+    for (Eigen::Index k = 0; k < measured_.places.count(); ++k) {
+      if (!is_same(places, i, k)) continue;
+      const double apart = (places.position.row(i) - measured_.places.position.row(k)).norm();
+      rows.emplace_back(apart <= near_ ? 0.0 : apart,
+                        measured_.sides->actuator[static_cast<std::size_t>(k)], k);
+    }
+    std::sort(rows.rbegin(), rows.rend());
+    std::vector<Eigen::Index> order;
+    for (const auto& row : rows) order.push_back(std::get<2>(row));
+    return order;
   }
 
   void keep(Eigen::Index row, Eigen::Index place, Field& field) const {
@@ -68,7 +90,7 @@ class OneScaleField : public ModalField {
   }
 
   MeasuredShapes measured_;
-  double near_ = 0.0;
+  double near_, through_;  // [m]
 };
 
 }  // namespace
@@ -102,7 +124,8 @@ std::unique_ptr<ModeField> one_scale_field(const MeasuredShapes& measured,
         "leaving some out; all modes have one scale instead",
         measured.places.count(), Constants::fewest_places));
   }
-  return std::make_unique<OneScaleField>(measured, std::move(shapes), std::move(summary));
+  return std::make_unique<OneScaleField>(measured, simulation.surface, std::move(shapes),
+                                         std::move(summary));
 }
 
 }  // namespace chladni::priors

@@ -22,6 +22,7 @@ constexpr double kRankLost = 1e-10;     // relative to the triangle's largest en
 constexpr double kIndefinite = 1e-8;    // relative to the largest eigenvalue
 constexpr double kRounding = 1e-14;     // relative to the kernel
 constexpr double kNoEnergy = 1e-13;     // smaller eigenvalues are 0: places at one point
+constexpr double kAlone = 1e-10;        // of a value in the contrasts: it fixes the free part alone
 constexpr double kNothingLeft = 1e-26;  // of the values' squares: the values lie in the free part
 
 constexpr double kFlat = std::numeric_limits<double>::infinity();
@@ -65,6 +66,7 @@ Smoother::Smoother(const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& trend,
   require(pivots.minCoeff() > kRankLost * pivots.maxCoeff(),
           "smoother: the places do not determine the free part");
   decompose(q.rightCols(n - p));
+  foretold_ = directions_.cwiseAbs2().rowwise().sum().array() > kAlone;
 }
 
 void Smoother::decompose(const Eigen::MatrixXd& rest) {
@@ -109,8 +111,9 @@ Smoother::Criterion Smoother::cross_validation(const Eigen::ArrayXd& z,
   const Eigen::ArrayXd left_change = directions_ * (change * z).matrix();
   const Eigen::ArrayXd share = squares * h.matrix();  // 1 − A_mm
   const Eigen::ArrayXd share_change = squares * change.matrix();
-  const Eigen::ArrayXd error = left / share;
-  return {error.square().sum(), (2.0 * error * (left_change - error * share_change) / share).sum()};
+  const Eigen::ArrayXd error = foretold_.select(left / share, 0.0);
+  const Eigen::ArrayXd slope = 2.0 * error * (left_change - error * share_change) / share;
+  return {error.square().sum(), foretold_.select(slope, 0.0).sum()};
 }
 
 Smoother::Criterion Smoother::criterion(const Eigen::VectorXd& values, SmoothingRule rule,
@@ -166,6 +169,7 @@ Smoothing Smoother::chosen(const Eigen::VectorXd& values, SmoothingRule rule, do
   const bool bends = contrast_count() > 0 && eigenvalue_.maxCoeff() > 0.0;
   if (!bends || squares <= kNothingLeft * all) return given(values, kFlat, noise);
 
+  if (contrast_count() == 1 || !foretold_.any()) rule = SmoothingRule::reml_known_noise;
   const bool known = rule == SmoothingRule::reml_known_noise;
   const auto found = lowest(values, rule, noise, known ? squares / (noise * noise) : 0.0);
   const Eigen::ArrayXd h = shrinkage(found.lambda);
@@ -191,7 +195,8 @@ Eigen::VectorXd Smoother::left_out_errors(const Eigen::VectorXd& values, double 
   const Eigen::ArrayXd h = shrinkage(lambda);
   const Eigen::VectorXd left = directions_ * (h * contrasts(values)).matrix();
   const Eigen::VectorXd share = directions_.cwiseAbs2() * h.matrix();
-  return left.cwiseQuotient(share).cwiseProduct(deviation_);
+  return foretold_.select((left.cwiseQuotient(share).cwiseProduct(deviation_)).array(),
+                          std::numeric_limits<double>::quiet_NaN());
 }
 
 Eigen::VectorXd Smoother::influence(double lambda) const {

@@ -8,8 +8,8 @@ namespace chladni::priors {
 
 /// The choice of the smoothing λ. There are n values and n − p contrasts beyond the free part.
 enum class SmoothingRule {
-  reml_known_noise,  ///< likelihood of the contrasts, with the stated noise
-  reml,              ///< the same with learned noise
+  reml_known_noise,              ///< likelihood of the contrasts, with the stated noise
+  reml,                          ///< the same with learned noise
   generalised_cross_validation,  ///< Σ c_m ε_m², c_m = ((1 − A_mm) / (1 − tr A / n))²
   leave_one_out,                 ///< Σ ε_m², ε_m the error at m of the fit without value m
 };
@@ -54,7 +54,9 @@ class Smoother {
   /// The minimum of the criterion: the best of a grid of 8 per decade, then the root of its slope.
   /// @param noise  stated σ. `reml` learns its own, σ² = Σ z² h / (n − p). The cross-validations
   /// take Σ z² h² / Σ h (Wahba 1983), but at least the stated noise: it would vanish if they follow
-  /// the values too closely. Cost: n² for each of some 250 points.
+  /// the values too closely. One contrast tells its size and not how much of it is noise; there,
+  /// and where no value is foretold by the others, each rule is `reml_known_noise`.
+  /// Cost: n² for each of some 250 points.
   [[nodiscard]] Smoothing chosen(const Eigen::VectorXd& values, SmoothingRule rule,
                                  double noise) const;
 
@@ -88,12 +90,13 @@ class Smoother {
   [[nodiscard]] Eigen::ArrayXd shrinkage(double lambda) const;
   [[nodiscard]] Criterion cross_validation(const Eigen::ArrayXd& z, const Eigen::ArrayXd& h) const;
 
-  Eigen::VectorXd deviation_;   // n
-  Eigen::MatrixXd scaled_;      // n×n: K over ν on both sides
-  Eigen::MatrixXd free_;        // n×p: Q of T over ν
-  Eigen::MatrixXd triangle_;    // p×p: its R
-  Eigen::MatrixXd directions_;  // n×(n−p): orthonormal to the free part, diagonalise K
-  Eigen::VectorXd eigenvalue_;  // n−p, 0 or more
+  Eigen::VectorXd deviation_;     // n
+  Eigen::MatrixXd scaled_;        // n×n: K over ν on both sides
+  Eigen::MatrixXd free_;          // n×p: Q of T over ν
+  Eigen::MatrixXd triangle_;      // p×p: its R
+  Eigen::MatrixXd directions_;    // n×(n−p): orthonormal to the free part, diagonalise K
+  Eigen::VectorXd eigenvalue_;    // n−p, 0 or more
+  Eigen::ArrayX<bool> foretold_;  // n: the others tell the value, they determine the free part
 };
 
 }  // namespace chladni::priors

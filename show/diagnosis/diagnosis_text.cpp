@@ -37,9 +37,8 @@ std::string explanation_text(const diagnosis::Explanation& one) {
 std::string superclass_text(const diagnosis::Superclass& one) {
   std::string text = one.name;
   if (!one.channel.empty()) text += " " + one.channel;
-  if (one.place) {
-    text += fmt::format(" at ({:.1f}, {:.1f}) mm", 1e3 * (*one.place)(0), 1e3 * (*one.place)(1));
-  }
+  if (one.place) text += " at " + diagnosis::place_in_words(*one.place);
+  if (!std::isfinite(one.explained)) return text;
   return text + fmt::format(": {:.0f} % of what is left", 100.0 * one.explained);
 }
 

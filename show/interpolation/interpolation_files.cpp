@@ -114,7 +114,20 @@ void leave_table(const steps::Interpolated& result, const stage::Solution& solut
   io::write_csv(run / "mode_field.csv", columns);
 }
 
+// Polynomials are of x and y.
+void require_seen_from_above(const placement::Sites& sites) {
+  const Eigen::RowVector3d extent =
+      sites.position.colwise().maxCoeff() - sites.position.colwise().minCoeff();
+  for (const Eigen::Index axis : {0, 1}) {
+    require(extent(axis) > 1e-6 * extent.maxCoeff(),
+            fmt::format("interpolation.polynomial_degree: the places of the surface have one {}; "
+                        "expected faces that are seen along z",
+                        axis == 0 ? "x" : "y"));
+  }
+}
+
 void leave_polynomials(const steps::Interpolated& result, int degree, Run& run) {
+  require_seen_from_above(result.surface.sites);
   const auto& shown = result.methods.front();
   const auto fitted = priors::polynomials(result.surface.sites.position.leftCols<2>(),
                                           result.simulation.area, shown.surface.mean, degree);

@@ -10,6 +10,7 @@
 #include "fem/given_modes.h"
 #include "host/atomic_file.h"
 #include "host/descriptor.h"
+#include "host/folder.h"
 #include "io/csv.h"
 #include "io/matrix.h"
 #include "mesh/site.h"
@@ -35,16 +36,13 @@ class NewFolder {
     require(is_ours, folder_.string() +
                          ": this folder is not of an earlier export, and is not replaced; give "
                          "another output folder with -o");
-    fs::remove_all(part_, fault);  // of a run that was cut off
+    remove_whole(part_);  // of a run that was cut off
     fs::create_directory(part_, fault);
     if (fault) {
       throw_path_error(fault.value(), "cannot make the folder " + part_.string());
     }
   }
-  ~NewFolder() {
-    std::error_code ignored;
-    fs::remove_all(part_, ignored);
-  }
+  ~NewFolder() { remove_whole(part_); }
   NewFolder(const NewFolder&) = delete;
   NewFolder& operator=(const NewFolder&) = delete;
   NewFolder(NewFolder&&) = delete;
@@ -54,11 +52,10 @@ class NewFolder {
   void move_into_place() {
     fs::path old = folder_;
     old += ".old";
-    std::error_code ignored;
-    fs::remove_all(old, ignored);
+    remove_whole(old);
     if (fs::exists(folder_)) fs::rename(folder_, old);
     fs::rename(part_, folder_);
-    fs::remove_all(old, ignored);
+    remove_whole(old);
   }
 
  private:

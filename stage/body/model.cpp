@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "placement/candidates.h"
 #include "stage/points_on_body.h"
 #include "stage/variation.h"
 #include "study/problems.h"
@@ -172,17 +173,12 @@ void warn_of_footprints(const study::Study& study, const mesh::TetMesh& body, Pl
 // Places of a mounting grid beyond the body are no candidates. Empty: all are on it.
 std::string off_the_grid(const study::GridPlan& grid, const mesh::TetMesh& body) {
   const mesh::SiteFinder finder(body);
-  int off = 0;
-  for (int i = 0; i < grid.columns; ++i) {
-    for (int j = 0; j < grid.rows; ++j) {
-      const Eigen::Vector2d steps(i - 0.5 * (grid.columns - 1), j - 0.5 * (grid.rows - 1));
-      const Eigen::Vector2d at = grid.centre + steps.cwiseProduct(grid.pitch);
-      if (!finder.from_above(at.x(), at.y())) ++off;
-    }
-  }
+  const auto places = placement::places_of({grid.pitch, grid.centre, grid.columns, grid.rows});
+  const auto off = std::ranges::count_if(
+      places, [&](const auto& at) { return !finder.from_above(at.x(), at.y()); });
   if (off == 0) return {};
   return fmt::format("placement.grid: {} of its {} places are not on the body and are left out",
-                     off, grid.columns * grid.rows);
+                     off, places.size());
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "diagnosis/effect.h"
 #include "host/folder.h"
 #include "steps/extend/extension.h"
 #include "study/extends.h"
@@ -43,8 +44,17 @@ int turn_of(const diagnosis::Cause& cause) {
   return cause.channels.empty() || is_of_place ? 0 : 2;
 }
 
-// A channel has another name after an exchange.
+// True for what changes the damping of all modes. The dashpot of a resonator depends on it.
+bool is_of_modes(const diagnosis::Cause& cause) {
+  return std::ranges::any_of(diagnosis::effects(), [&](const diagnosis::Effect* effect) {
+    return effect->name == cause.effect &&
+           effect->in_study.table == diagnosis::InStudy::Table::modes;
+  });
+}
+
+// Damping of all modes comes first. A channel has another name after an exchange.
 std::vector<diagnosis::Cause> in_order(std::vector<diagnosis::Cause> causes) {
+  std::ranges::stable_partition(causes, is_of_modes);
   if (std::ranges::any_of(causes, is_exchange)) std::ranges::stable_sort(causes, {}, turn_of);
   return causes;
 }

@@ -93,7 +93,8 @@ void write_orthotropic(const Extension& by, const study::TomlNode& table,
 std::string orthotropy(const Extension& by) {
   Eigen::Index u = 0;
   Eigen::Index v = 0;
-  if (by.chart.axis_u.maxCoeff(&u) != 1.0 || by.chart.axis_v.maxCoeff(&v) != 1.0) {
+  if (by.chart.axis_u.cwiseAbs().maxCoeff(&u) != 1.0 ||
+      by.chart.axis_v.cwiseAbs().maxCoeff(&v) != 1.0) {
     return "the chart does not lie along the body's axes";
   }
   const auto tables = study::tables_of(by.edit.tree(), "material");

@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include "mesh/surface.h"
+#include "stage/body.h"
 #include "stage/corrections.h"
 #include "stage/faces.h"
 #include "steps/interpolation.h"
@@ -74,6 +76,12 @@ identification::ChannelGains gains_of(const study::Study& study, const stage::So
   simulation.at_channels = [&] {
     if (solution != nullptr) return simulated_channels(study, *solution, model.seen);
     return simulated_channels(study, stage::solved(study, work), model.seen);
+  };
+  simulation.size_m = [&] {
+    const Points points =
+        solution != nullptr ? solution->model.body.points : stage::outline_of(study).shell.points;
+    const auto box = mesh::bounding_box(points);
+    return (box.row(1) - box.row(0)).norm();
   };
   if (solution != nullptr) simulation.prior = [&] { return gain_prior(study, *solution, model); };
   return identification::channel_gains(model.found.fit, model.seen, gain_plan(study), simulation);

@@ -21,8 +21,7 @@ constexpr std::array kSplines{"thin_plate_spline", "thin_plate_spline_gcv",
 double gaussian_error(const LearnedPriors& result, const priors::Learned& one,
                       const priors::Places& places, const Eigen::VectorXd& values,
                       const Eigen::VectorXd& truth) {
-  const Eigen::VectorXd noise =
-      Eigen::VectorXd::Constant(values.size(), result.plan.noise_ratio * one.sigma * one.sigma);
+  const Eigen::VectorXd noise = Eigen::VectorXd::Constant(values.size(), one.noise * one.noise);
   const priors::GaussianProcess process(priors::prior_of(result.kernel, one, {}), places.position,
                                         noise);
   const auto& sites = result.surface.sites;

@@ -36,7 +36,7 @@ class QuietRun {
  public:
   QuietRun(const study::Study& study, const std::filesystem::path& folder,
            double memory_limit_gb = 0.0)
-      : talk_(said_, show::manner_of_stderr(true)),
+      : talk_(said_, {.quiet = false, .progress = false, .lines = false}),
         run_(study, options(folder, memory_limit_gb), shown_, talk_) {}
 
   [[nodiscard]] show::Run& run() { return run_; }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "diagnosis/diagnosed.h"
+#include "diagnosis/search/search.h"
 #include "diagnosis/small_plate.h"
 #include "diagnosis/verdict/prepared.h"
 #include "rotation/turn.h"
@@ -285,6 +286,25 @@ TEST(Readings, AreNotWhatElseIsHidden) {
     for (const auto& one : read_of(plate(), measured({kind}))) all += one + "; ";
     EXPECT_EQ(all, "") << kind;
   }
+}
+
+// Readings are put right before the search, and leave its causes their number.
+TEST(Readings, DoNotCountAmongTheMostCauses) {
+  auto set = measured({"point_mass"});
+  spoil(set, {-kPerG}, 1);
+  const auto given = prepared(plate(), set, exact_model());
+  const Observed lines = given.for_search(80);
+  const Problem problem{*given.structure, lines, given.tolerable, given.solver_error};
+  DiagnosisOptions options;
+  options.only = {"point_mass", "sensor_sign", "sensor_unit"};
+  SearchLimits limits;
+  limits.most_causes = 1;
+  limits.is_look = true;
+  const auto found = searched(problem, catalogue_of(options), limits);
+  std::vector<std::string> names;
+  for (const auto& cause : found.fits.front().causes) names.emplace_back(cause.effect->name);
+  std::ranges::sort(names);
+  EXPECT_EQ(names, options.only);
 }
 
 }  // namespace

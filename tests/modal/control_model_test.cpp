@@ -222,6 +222,19 @@ ControlModel pure_delay(double seconds) {
   return model;
 }
 
+// Delays of an input and an output that are whole samples together pass a step at that sample. By
+// rounding of their sum it came a sample later.
+TEST(ControlModel, DelaysOfBothSidesThatAreAWholeSamplePassAStepThen) {
+  constexpr double kSample = 1e-3;
+  for (int parts = 1; parts < 25; ++parts) {
+    auto model = pure_delay(4e-5 * parts);
+    model.output_delay << 4e-5 * (25 - parts);
+    const auto sampled = with_delay_states(discretised(model, kSample)).space;
+    const auto y = outputs_of(sampled, 4, [](Eigen::Index) { return Eigen::VectorXd::Ones(1); });
+    EXPECT_EQ(y, (Eigen::RowVector4d(0.0, 1.0, 1.0, 1.0))) << parts;
+  }
+}
+
 TEST(ControlModel, PadeOfFirstAndSecondOrderAreThoseOfTheTextbook) {
   const double tau = 1e-3;
   for (const double f : {10.0, 200.0, 1500.0}) {

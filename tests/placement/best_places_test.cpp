@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <string_view>
@@ -358,6 +359,22 @@ TEST(BestPlacesRefuse, ArraysThatDoNotFit) {
   structure = beam(Eigen::VectorXd::Constant(2, 0.1));
   structure.sensors.stays = {1};
   refused(structure, "not one mark for each of the sensors");
+}
+
+// A shape of NaN reached a decomposition that does not end with one, and scores were any numbers.
+TEST(BestPlacesRefuse, ChannelsThatAreNotFinite) {
+  const auto sites = points_of_beam(11);
+  const auto refused = [&](const auto& change, const std::string& part) {
+    auto structure = beam(Eigen::VectorXd::Constant(2, 0.1));
+    change(structure.sensors);
+    std::vector<std::string> notes;
+    const auto message = refusal_of([&] { return wanted_modes(structure, sites, {}, notes); });
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  refused([](Channels& channels) { channels.shapes(1, 2) = kNaN; }, "is not finite");
+  refused([](Channels& channels) { channels.lines.position(0, 1) = kNaN; }, "is not finite");
+  refused([](Channels& channels) { channels.lines.direction.row(1) *= 2.0; }, "not of length 1");
 }
 
 }  // namespace

@@ -66,6 +66,27 @@ TEST(Sites, AFootprintSeesTheMeanOverItsDisc) {
   EXPECT_EQ(sampler.at({*sampler.finder().from_above(0.28, 0.0)}).whole[0], 0);
 }
 
+// The rim of a disc on a round body lies above its surface, where no device reaches beyond an edge.
+TEST(Sites, AFootprintLiesOnABentPlateAsOnAFlatOne) {
+  constexpr double kRadius = 0.2;
+  Known known;
+  for (auto point : known.body.points.rowwise()) {
+    const double angle = point.x() / kRadius;
+    const double r = kRadius + point.z();
+    point << r * std::sin(angle), point.y(), r * std::cos(angle) - kRadius;
+  }
+  const Sampler sampler(known.body, known.modes, {std::nullopt, 0.06});
+  const auto whole_at = [&](double x, double y) {
+    const double angle = x / kRadius;
+    const Eigen::Vector3d at(0.21 * std::sin(angle), y, 0.21 * std::cos(angle) - kRadius);
+    return sampler.at({sampler.finder().nearest(at)}).whole[0];
+  };
+  EXPECT_EQ(whole_at(0.1, -0.05), 1);
+  EXPECT_EQ(whole_at(-0.2, 0.1), 1);
+  EXPECT_EQ(whole_at(0.28, 0.0), 0);   // 20 mm from the end
+  EXPECT_EQ(whole_at(0.0, 0.185), 0);  // 15 mm from the side
+}
+
 TEST(Sites, TheDirectionDecidesWhatIsSeen) {
   const Known known;
   const Sampler sampler(known.body, known.modes, {Eigen::Vector3d::UnitX(), 0.0});

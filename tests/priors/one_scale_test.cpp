@@ -94,6 +94,29 @@ TEST(OneScale, KeepsTheValuesAtItsPlaces) {
   EXPECT_LT((there.deviation - measured.noise).norm(), 1e-12);
 }
 
+// A value is that of its own place. At the other end of a bar along which its device acts there was
+// the same value, with the noise as its band; of two devices at one place the last one counted.
+TEST(OneScale, KeepsNoValueAtTheOtherEndOfABar) {
+  Simulation bar = pinned_beam();
+  bar.surface.direction.col(2).setZero();
+  bar.surface.direction.col(0).setOnes();
+  auto measured = measured_at(Eigen::Vector4d(0.1, 0.95, 0.1, 0.6), 3, 1.0);
+  measured.places.direction.col(2).setZero();
+  measured.places.direction.col(0).setOnes();
+  measured.values.row(2) *= 1.01;  // an actuator at the place of the first sensor
+  const auto field = mode_field(default_method(), measured, bar);
+  const auto there = field->at(measured.places);
+  for (const Eigen::Index row : {0, 1, 3}) {
+    EXPECT_LT((there.mean.row(row) - measured.values.row(row)).norm(), 1e-12) << row;
+  }
+  EXPECT_LT((there.mean.row(2) - measured.values.row(0)).norm(), 1e-12);
+  auto elsewhere = measured.places;
+  elsewhere.position(0, 0) = 0.4;
+  elsewhere.shapes.row(0) = bar.surface.shapes.row(40);
+  EXPECT_GT((field->at(elsewhere).mean.row(0) - measured.values.row(0)).norm(), 0.1);
+  EXPECT_GT((field->at(elsewhere).mean.row(0) - measured.values.row(1)).norm(), 0.1);
+}
+
 TEST(OneScale, HasNoUnit) {
   const auto simulation = pinned_beam();
   const auto one = mode_field(default_method(), measured_at(kPlaces, 4, 1.0), simulation)

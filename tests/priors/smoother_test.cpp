@@ -257,6 +257,41 @@ TEST(Smoother, DoesNotFeelTheFreePartOfItsKernel) {
   EXPECT_TRUE(std::isinf(chosen.lambda));
 }
 
+// Four sensors in a row and one beside it: nothing foretells the fifth, and the rest of its error
+// was a sum of 1e32 by rounding.
+TEST(Smoother, LeavesOutNoPlaceThatTiltsThePlaneAlone) {
+  SmootherCase data(5);
+  data.places << -0.3, 0.0, -0.1, 0.0, 0.1, 0.0, 0.35, 0.0, 0.0, 0.4;
+  data.kernel = bending_kernel(data.places, data.places);
+  data.trend = plane_functions(data.places);
+  data.values << 1.0, 0.1, -0.1, 1.3, 3.0;
+  const auto smoother = data.smoother();
+  const auto errors = smoother.left_out_errors(data.values, 0.05);
+  EXPECT_TRUE(std::isnan(errors(4)));
+  EXPECT_TRUE(errors.head(4).allFinite());
+  const double sum = errors.head(4).cwiseQuotient(data.deviation.head(4)).squaredNorm();
+  EXPECT_NEAR(smoother.criterion(data.values, SmoothingRule::leave_one_out, 0.1, 0.05).value, sum,
+              1e-9 * sum);
+  const auto chosen = smoother.chosen(data.values, SmoothingRule::leave_one_out, 0.1);
+  auto other = data;
+  other.values(4) += 10.0;  // tilts the plane and tells nothing else
+  EXPECT_NEAR(
+      smoother.chosen(other.values, SmoothingRule::leave_one_out, 0.1).lambda / chosen.lambda, 1.0,
+      1e-6);
+}
+
+// Four places in the plane have one contrast. Cross-validation and a learned noise are constant in
+// the smoothing, and the last bits chose it.
+TEST(Smoother, OneContrastIsSmoothedByTheStatedNoise) {
+  const SmootherCase data(4);
+  const auto smoother = data.smoother();
+  ASSERT_EQ(smoother.contrast_count(), 1);
+  const auto stated = smoother.chosen(data.values, SmoothingRule::reml_known_noise, 0.2);
+  for (const auto rule : kSmootherRules) {
+    EXPECT_EQ(smoother.chosen(data.values, rule, 0.2).lambda, stated.lambda);
+  }
+}
+
 TEST(Smoother, RefusesWhatCannotBeMeant) {
   const SmootherCase data;
   EXPECT_THROW(Smoother(data.kernel, data.trend.topRows(5), data.deviation), InvalidInput);

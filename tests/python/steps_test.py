@@ -231,6 +231,10 @@ at = "frequency_hz.6"
             self.assertEqual(first, sorted(first))
             np.testing.assert_allclose(first[2] / first[0], 12 / 8, rtol=0.02)
             self.assertEqual(steps[-1], 1.0)
+            at_once = []
+            chladni.sweep(folder / "plan.toml", folder / "out",
+                          progress=lambda step, part: at_once.append(part))
+            self.assertEqual(at_once[-1:], [1.0])  # however soon after the one before
 
     def test_what_stops_it_stops_it_at_once(self):
         def stop(step, part):

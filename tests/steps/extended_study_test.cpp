@@ -332,5 +332,34 @@ TEST(ExtendedStudy, LeadsToTheFilesOfTheStudy) {
   EXPECT_NE(found.text.find("--allow-outside"), std::string::npos);
 }
 
+// The damping of all modes is also a resonator's, so its dashpot has the rest, whatever comes
+// first.
+TEST(ExtendedStudy, DampsAResonatorAsItWasFoundInAnyOrderOfCauses) {
+  const auto damping = cause("modal_damping", {{"factor", 2.0}});
+  const auto hung = resonator(80.0, 0.03, 0.1, 0.1);
+  for (const auto& causes :
+       std::vector<std::vector<diagnosis::Cause>>{{hung, damping}, {damping, hung}}) {
+    const auto study = read(extended(causes));
+    ASSERT_EQ(study.attachments.size(), 1U);
+    const auto& made = std::get<fem::Resonator>(study.attachments[0].what);
+    const double ratio = 0.5 * made.damping / std::sqrt(made.stiffness * made.mass);
+    EXPECT_NEAR(study.modes.damping_ratio, 0.01, 1e-12);
+    EXPECT_NEAR(ratio + study.modes.damping_ratio, 0.03, 1e-9);
+  }
+}
+
+// Seen from below, an axis of the chart is against that of the body. The stiffness is the same.
+TEST(ExtendedStudy, MakesABodyOrthotropicThatIsSeenFromBelow) {
+  diagnosis::Surface below;
+  below.axis_v = -Eigen::Vector3d::UnitY();
+  const auto wanted = cause("orthotropy", {{"along_u", 0.1}, {"shear", 0.05}});
+  const auto found = steps::extended_study(kStudy, kFile, below, {wanted}, "bench", {}, true, {});
+  const auto usual = read(extended({wanted})).materials.at(0).material.stiffness;
+  const auto turned = read(found).materials.at(0).material.stiffness;
+  EXPECT_LT((turned - usual).norm(), 1e-9 * usual.norm());
+  below.axis_v = Eigen::Vector3d(0.0, 0.6, 0.8);
+  EXPECT_EQ(steps::extended_study(kStudy, kFile, below, {wanted}, "bench").unexpressed.size(), 1U);
+}
+
 }  // namespace
 }  // namespace chladni::steps

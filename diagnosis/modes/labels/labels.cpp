@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "base/index.h"
@@ -207,6 +208,28 @@ Verdict with_labels(const Diagnosis& diagnosis) {
   return Verdict::partial;
 }
 
+// True for what acts on the record of a channel. A place, a direction, crosstalk and an exchange
+// are of the channels themselves: they act before the labels are mixed.
+bool is_of_record(std::string_view effect) {
+  return !effect.ends_with("_position") && !effect.ends_with("_direction") &&
+         !effect.ends_with("_crosstalk") && !effect.starts_with("swapped_");
+}
+
+// Relabelled data have each record in the row of the channel that it shows. A cause of a record
+// gets the label that the record really carries. Causes of all records stay in the order of the
+// channels.
+void name_records(const Cause& mixed, Cause& cause) {
+  const bool is_other_side =
+      cause.effect.starts_with("actuator_") != (mixed.effect == "permuted_actuators");
+  if (is_other_side || !is_of_record(cause.effect)) return;
+  auto records = cause.channels;
+  for (auto& name : records) {
+    const auto shown = std::ranges::find(mixed.truly, name);
+    if (shown != mixed.truly.end()) name = mixed.channels[at(shown - mixed.truly.begin())];
+  }
+  if (!std::ranges::is_permutation(records, cause.channels)) cause.channels = std::move(records);
+}
+
 }  // namespace
 
 Labels labels_of(const Structure& structure, const MeasuredModes& measured,
@@ -225,6 +248,7 @@ void add(const Labels& labels, Diagnosis& diagnosis) {
     one.log_evidence += labels.log_evidence;
     for (auto& cause : one.causes) {
       cause.share = std::clamp(cause.log_evidence_gain / one.log_evidence, 0.0, 1.0);
+      for (const auto& mixed : labels.causes) name_records(mixed, cause);
     }
     for (auto cause : labels.causes) {
       cause.share = std::clamp(cause.log_evidence_gain / one.log_evidence, 0.0, 1.0);

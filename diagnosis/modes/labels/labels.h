@@ -32,7 +32,9 @@ struct Labels {
 [[nodiscard]] Labels labels_of(const Structure& structure, const MeasuredModes& measured,
                                const DiagnosisOptions& options);
 
-/// Adds the causes to each explanation of the relabelled data, and what was there before.
+/// Adds the causes to each explanation of the relabelled data, and what was there before. A cause
+/// of a record (a gain, a sign, a unit) then names the record as the measurement labels it. A cause
+/// of a channel (its place or direction, crosstalk, an exchange) names the channel.
 void add(const Labels& labels, Diagnosis& diagnosis);
 
 }  // namespace chladni::diagnosis

@@ -70,7 +70,7 @@ MatrixXd shape_variance(const Question& question, const Explained& best) {
       const double part = level(fit, ErrorClass::frequency) *
                           (1.0 / std::max(apart, kConstants.least_gap) - 1.0 / kConstants.nearby);
       const VectorXd neighbour = best.outlook.shapes.col(j).cwiseAbs2();
-      variance.col(i) += part * part * neighbour.cwiseMax(0.0);
+      variance.col(i) += part * part * neighbour.array().isFinite().select(neighbour, 0.0);
     }
   }
   return variance;

@@ -10,9 +10,11 @@
 #include <vector>
 
 #include "diagnosis/diagnosed_modes.h"
+#include "diagnosis/hypothesis.h"
 #include "diagnosis/modes/labelled_rig.h"
 #include "diagnosis/modes/labels/label_orders.h"
 #include "rotation/turn.h"
+#include "tests/diagnosis/small_plate.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -262,6 +264,69 @@ TEST(DiagnosedLabels, AreNamedAloneWhereTheModelIsRight) {
     after += mode.mac_after / static_cast<double>(found.modes.size());
   }
   EXPECT_LT(before + 0.2, after);
+}
+
+// Records s1, s2, s3 are the sensors s2, s3, s1.
+Labels three_mixed() {
+  Labels labels;
+  labels.causes.resize(1);
+  labels.causes.front().effect = "permuted_sensors";
+  labels.causes.front().channels = {"s1", "s2", "s3"};
+  labels.causes.front().truly = {"s2", "s3", "s1"};
+  labels.log_evidence = 100.0;
+  return labels;
+}
+
+// A cause of relabelled data beside the labels, as a diagnosis tells it.
+Cause beside_labels(const std::string& effect, const std::vector<std::string>& channels) {
+  Diagnosis diagnosis;
+  diagnosis.best.causes.resize(1);
+  diagnosis.best.causes.front().effect = effect;
+  diagnosis.best.causes.front().channels = channels;
+  add(three_mixed(), diagnosis);
+  return diagnosis.best.causes.front();
+}
+
+TEST(AddedLabels, LetACauseOfARecordNameTheRecord) {
+  using Names = std::vector<std::string>;
+  for (const auto* name : {"sensor_gain", "sensor_sign", "sensor_unit", "sensor_delay"}) {
+    EXPECT_EQ(beside_labels(name, {"s1"}).channels, Names{"s3"}) << name;
+    EXPECT_EQ(beside_labels(name, {"s4"}).channels, Names{"s4"}) << name;
+  }
+  for (const auto* name : {"sensor_position", "sensor_direction", "actuator_gain"}) {
+    EXPECT_EQ(beside_labels(name, {"s1"}).channels, Names{"s1"}) << name;
+  }
+  const Names pair{"s1", "s2"};
+  for (const auto* name : {"swapped_sensors", "sensor_crosstalk"}) {
+    EXPECT_EQ(beside_labels(name, pair).channels, pair) << name;
+  }
+  const Names all{"s1", "s2", "s3", "s4"};
+  EXPECT_EQ(beside_labels("sensor_unit", all).channels, all);
+}
+
+// The causes together predict the records: each row is that of the channel that it shows.
+TEST(AddedLabels, PredictWhatTheRelabelledDataHad) {
+  const auto& plate = small_plate();
+  const Eigen::VectorXd hz = some_lines() / 6.283185307179586;
+  const std::vector<std::pair<std::string, std::string>> kinds{
+      {"sensor_gain", "relative"}, {"sensor_delay", "delay"}, {"sensor_position", "u"}};
+  for (const auto& [effect, number] : kinds) {
+    Diagnosis diagnosis;
+    auto& causes = diagnosis.best.causes;
+    causes.resize(1);
+    causes[0].effect = effect;
+    causes[0].channels = {"s1"};
+    causes[0].parameters = {{number, "", 3e-4, 0.0}, {"v", "m", 0.0, 0.0}};
+    const auto relabelled = predicted(plate, causes, hz);
+    add(three_mixed(), diagnosis);
+    const auto records = predicted(plate, causes, hz);
+    for (std::size_t k = 0; k < records.size(); ++k) {
+      for (const auto& [record, channel] : {std::pair{0, 1}, {1, 2}, {2, 0}, {3, 3}}) {
+        const auto expected = relabelled[k].row(channel);
+        EXPECT_LT((records[k].row(record) - expected).norm(), 1e-12 * expected.norm()) << effect;
+      }
+    }
+  }
 }
 
 }  // namespace

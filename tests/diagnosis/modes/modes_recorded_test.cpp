@@ -325,5 +325,34 @@ TEST(ModeSolver, RefusesAMassThatIsNotPositive) {
   for (const double part : {1.1, 3.0, 100.0}) EXPECT_THROW((void)less(part), NumericalFailure);
 }
 
+// The modes above are of the body: where no actuator or no sensor was measured, a patch and a pad
+// yield as they do where both were.
+TEST(ModeSolver, HasThePatchOfABodyWhateverChannelsWereMeasured) {
+  const auto& plate = small_plate();
+  const auto modes_with = [](const Structure& structure, std::string_view name) {
+    State state = state_of(structure);
+    const bool is_pad = name == "elastic_pad";
+    const Eigen::Vector4d patch(std::log(0.3), 0.08, -0.05, std::log(0.04));
+    const Eigen::Vector4d pad(std::log(4e5), std::log(0.04), 0.08, -0.05);
+    effect(name).apply(state, structure, 0, is_pad ? pad : patch);
+    return ModeSolver(state_of(structure), structure.mode_count()).modes(state, 0.0, kAnyHz);
+  };
+  auto not_pushed = plate;
+  not_pushed.inputs = part_of(plate.inputs, {});
+  not_pushed.residual.resize(plate.output_count(), 0);
+  auto not_seen = plate;
+  not_seen.outputs = part_of(plate.outputs, {});
+  not_seen.residual.resize(0, plate.input_count());
+  for (const auto* name : {"local_stiffness", "elastic_pad"}) {
+    const VectorXd all = modes_with(plate, name).frequency_hz;
+    const auto tolerance = 1e-9 * all.norm();
+    for (const auto* structure : {&not_pushed, &not_seen}) {
+      ASSERT_NO_THROW(check(*structure));
+      EXPECT_LT((modes_with(*structure, name).frequency_hz - all).norm(), tolerance) << name;
+    }
+    EXPECT_GT((modes_of(state_of(plate)).frequency_hz - all).norm(), 1e3 * tolerance) << name;
+  }
+}
+
 }  // namespace
 }  // namespace chladni::diagnosis

@@ -363,5 +363,17 @@ TEST_F(Answer, NamesAPairThatIsSupported) {
   EXPECT_EQ(found.best.causes.size(), 2U);
 }
 
+// Modes have no misfit over frequency that a bad mode could be a part of.
+TEST_F(Answer, TellsNoPartOfAMisfitForAModeThatIsNotBelieved) {
+  ModesFit disturbed = found_.nothing;
+  disturbed.disturbed = {Disturbed::What::mode, 2};
+  disturbed.log_evidence += 30.0;
+  found_.disturbed.push_back(std::move(disturbed));
+  const auto found = told();
+  ASSERT_TRUE(found.superclass);
+  EXPECT_EQ(found.superclass->name, mode_name(measured_, 2));
+  EXPECT_TRUE(std::isnan(found.superclass->explained)) << found.superclass->explained;
+}
+
 }  // namespace
 }  // namespace chladni::diagnosis

@@ -339,6 +339,41 @@ TEST(GainWithoutPairs, AsksTheSimulationWhereThereIsNoPair) {
   }
 }
 
+// A hammer at one end of a bar and a sensor at the other act along one line. They were a pair, and
+// modes that move the ends against each other had the wrong sign.
+TEST(ChannelPairs, OfTheTwoEndsOfABarAreNone) {
+  ModalFit fit;
+  fit.model.frequency_hz = Eigen::VectorXd::Constant(1, 2500.0);
+  fit.model.damping_ratio = Eigen::VectorXd::Constant(1, 1e-3);
+  fit.model.output_shapes = Eigen::MatrixXd::Constant(1, 1, 0.8);
+  fit.model.input_shapes = Eigen::MatrixXd::Constant(1, 1, -0.8);
+  fit.model.residual = Eigen::MatrixXd::Zero(1, 1);
+  GainSimulation bar;
+  bar.size_m = [] { return 1.0; };
+  bar.at_channels = [] {
+    const auto one = Eigen::MatrixXd::Constant(1, 1, 0.8);
+    return SimulatedChannels{Eigen::VectorXd::Constant(1, 2500.0), one, 0.7 * one};
+  };
+  const auto gains = [&](double x) {
+    modal::FrfSet set;
+    modal::MeasuredChannel channel;
+    channel.direction = Eigen::Vector3d::UnitX();
+    channel.position = Eigen::Vector3d::Zero();
+    set.outputs = {channel};
+    channel.position = Eigen::Vector3d(x, 0.0, 0.0);
+    set.inputs = {channel};
+    return channel_gains(fit, set, {}, bar);
+  };
+  EXPECT_TRUE(gains(1.0).pairs.empty());
+  EXPECT_TRUE(gains(0.5).pairs.empty());
+  const auto near = gains(0.2);
+  ASSERT_EQ(near.pairs.size(), 1U);
+  EXPECT_FALSE(near.pairs[0].is_one_place());  // the simulation tells how far both move
+  const auto faces = gains(0.02);
+  ASSERT_EQ(faces.pairs.size(), 1U);
+  EXPECT_TRUE(faces.pairs[0].is_one_place());
+}
+
 // Along a bar all places lie on one line. The sensor beside the actuator is its pair, whatever the
 // order of the channels, and whatever rounding does to places.
 TEST(ChannelPairs, OfOneLineAreThoseAtOnePlace) {
