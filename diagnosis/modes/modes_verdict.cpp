@@ -92,9 +92,10 @@ std::vector<ErrorLevel> levels_of(const ModesProblem& problem, const ModesFit& f
 }
 
 bool at_a_limit(const ModesProblem& problem, const ModesFit& fit) {
-  return (fit.levels >= kConstants.at_the_limit * problem.prior().at_most && fit.determined > 0.5)
-             .any() &&
-         problem.prior().width > 0.0;
+  for (std::size_t c = 0; c < kErrorClasses; ++c) {
+    if (is_at_limit(problem, fit, static_cast<ErrorClass>(c))) return true;
+  }
+  return false;
 }
 
 // Frequencies that are left so far off are those of no model of this structure, whatever else fits.
@@ -252,6 +253,12 @@ Diagnosis answer(const ModesProblem& problem, const ModesFound& found,
   }
   tell_constants(problem, best, diagnosis);
   return diagnosis;
+}
+
+bool is_at_limit(const ModesProblem& problem, const ModesFit& fit, ErrorClass of) {
+  const auto i = static_cast<Index>(of);
+  return problem.prior().width > 0.0 && fit.determined(i) > 0.5 &&
+         fit.levels(i) >= kConstants.at_the_limit * problem.prior().at_most(i);
 }
 
 }  // namespace chladni::diagnosis

@@ -12,4 +12,7 @@ namespace chladni::diagnosis {
 [[nodiscard]] Diagnosis answer(const ModesProblem& problem, const ModesFound& found,
                                const DiagnosisOptions& options);
 
+/// True where the level of one class leaves no model of this structure believed.
+[[nodiscard]] bool is_at_limit(const ModesProblem& problem, const ModesFit& fit, ErrorClass of);
+
 }  // namespace chladni::diagnosis

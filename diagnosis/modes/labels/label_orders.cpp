@@ -26,9 +26,13 @@ using Eigen::VectorXd;
 constexpr int kTurns = 24;            // of sizes and assignment, at most
 constexpr std::size_t kStarts = 400;  // signs at random
 constexpr std::size_t kOrders = 16;   // that are returned, at most
-// Relative shifts of all frequencies under which modes are paired before their shapes are known.
-constexpr auto kNever = 1e6;  // misfit of what must not be
+constexpr auto kNever = 1e6;          // misfit of what must not be
+// Shifts of all frequencies, in ln, under which modes are paired before their shapes are known.
 constexpr std::array kShifts = {0.0, -0.05, 0.05, -0.1, 0.1};
+// The same under which labels that stay may explain the shapes: every modulus that a calibration
+// seeks, in steps well below what pairs modes.
+constexpr std::array kFarShifts = {-0.1, 0.1,  -0.2, 0.2,  -0.3, 0.3,  -0.4,
+                                   0.4,  -0.5, 0.5,  -0.6, 0.6,  -0.7, 0.7};
 
 // The measured shapes without their phases, each of root mean square 1; NaN: no value.
 MatrixXd real_shapes(const Eigen::MatrixXcd& measured) {
@@ -114,12 +118,13 @@ class Turns {
   }
 
   // The modes of the model paired anew, by the shapes under an order.
-  [[nodiscard]] Pairs paired_by(const LabelOrder& order) const {
+  // @param shift  of all measured frequencies, in ln
+  [[nodiscard]] Pairs paired_by(const LabelOrder& order, double shift) const {
     MatrixXd cost(records_.cols(), scene_.model_hz.size());
     for (Index i = 0; i < cost.rows(); ++i) {
       for (Index k = 0; k < cost.cols(); ++k) {
         const double apart =
-            std::log(scene_.measured_hz(i) / scene_.model_hz(k)) / kConstants.apart;
+            (std::log(scene_.measured_hz(i) / scene_.model_hz(k)) + shift) / kConstants.apart;
         cost(i, k) = apart * apart + 1.0 - mac(order, i, k);
       }
     }
@@ -269,12 +274,14 @@ LabelOrder as_they_are(Index channels) {
 }
 
 // Labels, then pairs, until both are still.
+// @param may_move  false: signs alone change
+// @param shift  of all measured frequencies, in ln
 LabelOrder settled(const LabelScene& scene, const MatrixXd& records, Pairs pairs, LabelOrder order,
-                   bool may_move = true) {
+                   bool may_move = true, double shift = 0.0) {
   for (int turn = 0; turn < kTurns; ++turn) {
     const Turns turns(scene, records, pairs);
     order = turns.from(std::move(order), may_move);
-    auto next = turns.paired_by(order);
+    auto next = turns.paired_by(order, shift);
     if (next == pairs) break;
     pairs = std::move(next);
   }
@@ -286,6 +293,17 @@ bool explains(const LabelOrder& order, const MatrixXd& records) {
   const auto count = static_cast<double>(records.array().isFinite().count());
   const double error = kConstants.explained_by_labels / kConstants.label_error;
   return order.misfit < 0.5 * count * std::log1p(error * error);
+}
+
+// The labels as they are, where they explain the shapes of a model whose frequencies are all far
+// off.
+std::optional<LabelOrder> stayed_far_off(const LabelScene& scene, const MatrixXd& records) {
+  for (const double shift : kFarShifts) {
+    auto order =
+        settled(scene, records, pairs_at(scene, shift), as_they_are(records.rows()), true, shift);
+    if (moved_count(order) == 0 && explains(order, records)) return order;
+  }
+  return std::nullopt;
 }
 
 // ln of the permutations that move each of n: n! / e, rounded.
@@ -323,6 +341,7 @@ std::vector<LabelOrder> label_orders(const LabelScene& scene) {
   const auto usual = pairs_at(scene, 0.0);
   const auto moved = settled(scene, records, usual, own);
   if (moved_count(moved) == 0 && explains(moved, records)) return {moved};
+  if (auto stayed = stayed_far_off(scene, records)) return {*std::move(stayed)};
   std::vector<Pairs> pairs;
   for (const double shift : kShifts) {
     auto other = pairs_at(scene, shift);

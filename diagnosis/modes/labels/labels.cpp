@@ -58,6 +58,7 @@ struct Judged {
   LabelOrder order;
   double log_evidence = 0.0;  // of the structure as it is
   double weight = 0.0;        // ln, with the priors
+  bool is_believed = true;    // false: the error of the shapes is at its limit
 };
 
 // The evidence of orders of one side.
@@ -83,10 +84,12 @@ class Judge {
       if (known.order.channel_of == order.channel_of) return;
     }
     relabel(measured_, side_, order, true, relabelled_);
-    const double evidence = problem_.nothing().log_evidence;
+    const auto fit = problem_.nothing();
+    const double evidence = fit.log_evidence;
     const auto turned = static_cast<double>(std::ranges::count(order.sign, -1.0));
     const double prior = log_prior(order) - kConstants.turned_record * turned;
-    all_.push_back({std::move(order), evidence, evidence + prior});
+    all_.push_back({std::move(order), evidence, evidence + prior,
+                    !is_at_limit(problem_, fit, ErrorClass::shape)});
   }
 
   // Every order that differs from the best one by two labels, one of them moved, until none is
@@ -168,6 +171,11 @@ void put_right(const Structure& structure, const LabelSide& side, const Diagnosi
   const double gain = judge.best().weight - judge.as_they_are().weight;
   const auto& best = judge.best().order;
   if (moved_count(best) < kFewest || gain < options.least_evidence) return;
+  if (!judge.best().is_believed) {
+    labels.notes.push_back(fmt::format(
+        "the shapes fit the model in no order of the labels of {}s: none is put right", side.noun));
+    return;
+  }
   if (judge.probability() < kConstants.sure) {
     labels.notes.push_back(fmt::format(
         "labels of {}s are mixed, but these modes do not tell which record is which {}: the best "

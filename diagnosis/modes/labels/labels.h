@@ -24,10 +24,11 @@ struct Labels {
 /// labels, has the evidence of the structure as it is (ModesProblem::nothing) on data so
 /// relabelled, and its prior (log_prior). The labels are put right if the best order has the least
 /// evidence of a cause beyond the labels as they are, and is likelier than Constants::sure among
-/// all orders looked at. Where others are as likely (a symmetry of the body, too few modes), a note
-/// says so and nothing is put right; fewer than three modes are not asked. A permutation of two
-/// labels is left to swapped_sensors, a turned record to sensor_sign. Cost: milliseconds where
-/// labels are right; 1 to 4 s for 12 modes at 13 channels where they are not.
+/// all orders looked at. Where others are as likely (a symmetry of the body, too few modes), or the
+/// shapes fit in no order, a note says so and nothing is put right; fewer than three modes are not
+/// asked. A permutation of two labels is left to swapped_sensors, a turned record to sensor_sign.
+/// Cost: milliseconds where labels are right; 1 to 4 s for 12 modes at 13 channels where they are
+/// not.
 /// @pre  structure and measurement have the same channels in the same order
 [[nodiscard]] Labels labels_of(const Structure& structure, const MeasuredModes& measured,
                                const DiagnosisOptions& options);

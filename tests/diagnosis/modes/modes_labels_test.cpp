@@ -110,6 +110,32 @@ INSTANTIATE_TEST_SUITE_P(Rigs, RightLabels,
                                                           "local_stiffness", "sensor_gain",
                                                           "sensor_sign", "swapped_sensors")));
 
+// A modulus that is far off moves all frequencies by one factor and no label.
+TEST(Labels, StayWhereAllFrequenciesAreFarOff) {
+  EVERY_FOURTH_LANDING();
+  for (const auto* body : {"table", "ell", "disc"}) {
+    auto modes = real_rig_case(body, "none", 1).modes;
+    const Eigen::VectorXd hz = modes.frequency_hz;
+    for (const double factor : {0.55, 0.7, 1.4, 1.6, 1.9}) {
+      modes.frequency_hz = factor * hz;
+      const auto labels = labels_of(believed(body), modes, {});
+      EXPECT_TRUE(labels.causes.empty() && labels.notes.empty()) << body << factor << told(labels);
+    }
+  }
+}
+
+// Shapes of another structure fit in no order.
+TEST(Labels, OfShapesThatFitInNoOrderAreNotPutRight) {
+  EVERY_FOURTH_LANDING();
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    auto modes = real_rig_case("ell", "none", seed).modes;
+    Dice dice(seed);
+    for (auto& value : modes.output_shapes.reshaped()) value *= dice.normal();
+    const auto labels = labels_of(believed("ell"), modes, {});
+    EXPECT_TRUE(labels.causes.empty()) << told(labels);
+  }
+}
+
 // A complex factor of each mode, of either sign, is not known and changes nothing.
 TEST(Labels, DoNotDependOnFactorsOfModes) {
   EVERY_FOURTH_LANDING();
