@@ -75,7 +75,7 @@ class Reader {
 
   void read() {
     read_frequencies();
-    const auto* response = find(kResponseNames);
+    const auto* response = lookup_.find(kResponseNames);
     require(response != nullptr, "there are no responses; expected a variable H, G or frf" + had());
     require(response->kind == MatValue::Kind::number,
             "the responses are a " + response->class_name + ", expected numbers");
@@ -105,26 +105,19 @@ class Reader {
     read_beside({"noise_variance", "noisevar"}, *response, layout, file_.set.noise_variance);
     read_beside({"coherence", "coh"}, *response, layout, file_.set.coherence);
     for (auto& line : file_.set.coherence) line = line.unaryExpr(&rounded_coherence);
-    file_.set.averages = mat_number(find({"averages"}), "averages").value_or(0.0);
+    file_.set.averages = mat_number(lookup_.find({"averages"}), "averages").value_or(0.0);
     note_delays();
     note_rest();
   }
 
  private:
-  // As mat_value; what is found counts as read.
-  const MatValue* find(std::initializer_list<std::string_view> names) {
-    const auto* value = mat_value(fields_, names);
-    if (value != nullptr) found_.insert(value);
-    return value;
-  }
-
   void read_names() {
-    output_names_ = mat_texts(
-        find({"output_names", "OutputName", "sensor_names", "sensors", "outputs", "y_names"}),
-        "output_names");
-    input_names_ = mat_texts(
-        find({"input_names", "InputName", "actuator_names", "actuators", "inputs", "u_names"}),
-        "input_names");
+    output_names_ = mat_texts(lookup_.find({"output_names", "OutputName", "sensor_names", "sensors",
+                                            "outputs", "y_names"}),
+                              "output_names");
+    input_names_ = mat_texts(lookup_.find({"input_names", "InputName", "actuator_names",
+                                           "actuators", "inputs", "u_names"}),
+                             "input_names");
   }
 
   // Notes the variables that are not read.
@@ -136,7 +129,7 @@ class Reader {
     if (is_frd_)
       others.insert(
           {"InputGroup", "OutputGroup", "Ts", "Notes", "UserData", "Name", "SamplingGrid"});
-    note_unread(fields_, found_, others, file_.notes);
+    lookup_.note_rest(others, file_.notes);
   }
 
   [[nodiscard]] std::string had() const {
@@ -146,17 +139,18 @@ class Reader {
   }
 
   void read_frequencies() {
-    const auto* value = find(kFrequencyNames);
+    const auto* value = lookup_.find(kFrequencyNames);
     bool per_second = value != nullptr && value == mat_value(fields_, {"omega", "w"});
     require(value != nullptr, "there are no frequencies; expected a variable freq_hz" + had());
     file_.set.frequency_hz = mat_numbers(value, "the frequencies");
     is_frd_ = mat_value(fields_, {"ResponseData"}) != nullptr;
     if (is_frd_) per_second = true;  // MATLAB's default
     const auto* stated =
-        find({"FrequencyUnit", "frequency_unit", "FreqUnit", "freq_unit", "f_unit"});
-    if (stated == nullptr && is_frd_) stated = find({"Units"});  // frd objects before R2012a
+        lookup_.find({"FrequencyUnit", "frequency_unit", "FreqUnit", "freq_unit", "f_unit"});
+    if (stated == nullptr && is_frd_)
+      stated = lookup_.find({"Units"});  // frd objects before R2012a
     const auto unit = mat_texts(stated, "FrequencyUnit");
-    const auto time = mat_texts(find({"TimeUnit"}), "TimeUnit");
+    const auto time = mat_texts(lookup_.find({"TimeUnit"}), "TimeUnit");
     const bool is_stated = !unit.empty() && !unit.front().empty();
     const double hertz = is_stated    ? hz_of(unit.front(), time.empty() ? "" : time.front())
                             : per_second ? 1.0 / (2.0 * std::numbers::pi)
@@ -241,7 +235,7 @@ class Reader {
 
   void read_beside(std::initializer_list<std::string_view> names, const MatValue& response,
                    const Layout& layout, std::vector<Eigen::MatrixXd>& of) {
-    const auto* value = find(names);
+    const auto* value = lookup_.find(names);
     if (value == nullptr) return;
     const std::string what(*names.begin());
     const auto numbers = mat_numbers(value, what);
@@ -281,7 +275,7 @@ class Reader {
     make(file_.set.inputs, layout.inputs, input_names_, options_.actuator_names, "u");
     describe_channels(fields_, "output", file_.set.outputs);
     describe_channels(fields_, "input", file_.set.inputs);
-    if (!is_frd_ && state_one_unit(fields_, file_.set.outputs)) find({"unit", "units"});
+    if (!is_frd_ && state_one_unit(fields_, file_.set.outputs)) lookup_.find({"unit", "units"});
     const auto stated = read_kinds(fields_, file_.set.outputs);
     kinds_known_ = !stated.empty() && std::ranges::all_of(stated, std::identity());
     require(kinds_known_ || std::ranges::none_of(stated, std::identity()),
@@ -308,7 +302,7 @@ class Reader {
   const FrfOptions& options_;
   FrfFile& file_;
   std::vector<std::string> output_names_, input_names_;
-  std::set<const MatValue*> found_;
+  MatLookup lookup_{fields_};
   bool kinds_known_ = false, is_frd_ = false;
 };
 

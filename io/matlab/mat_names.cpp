@@ -46,6 +46,17 @@ void note_unread(const MatFields& fields, const std::set<const MatValue*>& read,
                   (left.size() > 1 ? " are not read" : " is not read"));
 }
 
+const MatValue* MatLookup::find(std::initializer_list<std::string_view> names) {
+  const auto* value = mat_value(fields_, names);
+  if (value != nullptr) count_as_read(value);
+  return value;
+}
+
+void MatLookup::note_rest(const std::set<std::string>& names,
+                          std::vector<std::string>& notes) const {
+  note_unread(fields_, read_, names, notes);
+}
+
 Eigen::VectorXd mat_numbers(const MatValue* value, std::string_view what) {
   if (value == nullptr) return {};
   require(value->kind != MatValue::Kind::large,

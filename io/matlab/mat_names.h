@@ -25,6 +25,23 @@ namespace chladni::io {
 void note_unread(const MatFields& fields, const std::set<const MatValue*>& read,
                  const std::set<std::string>& names, std::vector<std::string>& notes);
 
+/// Variables that are looked up by name, and those that are left.
+class MatLookup {
+ public:
+  /// The fields must live longer.
+  explicit MatLookup(const MatFields& fields) : fields_(fields) {}
+
+  /// As `mat_value`; what is found counts as read.
+  const MatValue* find(std::initializer_list<std::string_view> names);
+  void count_as_read(const MatValue* value) { read_.insert(value); }
+  /// As `note_unread`.
+  void note_rest(const std::set<std::string>& names, std::vector<std::string>& notes) const;
+
+ private:
+  const MatFields& fields_;
+  std::set<const MatValue*> read_;
+};
+
 /// All numbers of the value; empty where the value is null.
 /// @throws InvalidInput  the value has no numbers
 [[nodiscard]] Eigen::VectorXd mat_numbers(const MatValue* value, std::string_view what);

@@ -93,13 +93,6 @@ class RecordReader {
   }
 
  private:
-  // As mat_value; what is found counts as read.
-  const MatValue* find(std::initializer_list<std::string_view> names) {
-    const auto* value = mat_value(fields_, names);
-    if (value != nullptr) found_.insert(value);
-    return value;
-  }
-
   // Notes the variables that are not read.
   void note_rest() {
     std::vector<std::string> names{"kind", "period", "experiment", "realisation"};
@@ -109,7 +102,7 @@ class RecordReader {
       }
     }
     names.insert(names.end(), {"OutputUnit", "InputUnit"});
-    note_unread(fields_, found_, {names.begin(), names.end()}, notes_);
+    lookup_.note_rest({names.begin(), names.end()}, notes_);
   }
 
   static Index samples_of(const MatValue& value) {
@@ -152,7 +145,7 @@ class RecordReader {
     }
     factors_[side] = Eigen::VectorXd::Ones(count);
     of_side_[side] = value;
-    found_.insert(value);
+    lookup_.count_as_read(value);
     for (Index r = 0; r < records_ && is_whole_; ++r) {
       auto& part = data_.records[static_cast<std::size_t>(r)].*kSamplesOf[side];
       part.resize(samples_, count);
@@ -191,7 +184,7 @@ class RecordReader {
   }
 
   [[nodiscard]] double sample_time() {
-    if (const auto stated = mat_number(find({"sample_time_s", "Ts", "dt"}), "Ts")) {
+    if (const auto stated = mat_number(lookup_.find({"sample_time_s", "Ts", "dt"}), "Ts")) {
       require(*stated > 0.0, fmt::format("Ts is {:g}, expected a time above 0", *stated));
       require_same_step(*stated);
       return *stated;
@@ -200,16 +193,16 @@ class RecordReader {
       return value != nullptr && value->size() > 0 ? value : nullptr;
     };
     const auto* time = filled(times());
-    const auto rate =
-        mat_number(time != nullptr ? nullptr : find({"sample_rate_hz", "sample_rate", "fs"}), "fs");
+    const auto rate = mat_number(
+        time != nullptr ? nullptr : lookup_.find({"sample_rate_hz", "sample_rate", "fs"}), "fs");
     require(!rate || *rate > 0.0,
             fmt::format("fs is {:g}, expected a rate above 0", rate.value_or(0.0)));
     if (rate) return 1.0 / *rate;
-    if (time == nullptr) time = filled(find({"time_s", "time", "t"}));
+    if (time == nullptr) time = filled(lookup_.find({"time_s", "time", "t"}));
     if (time == nullptr && options_.sample_time_s > 0.0) return options_.sample_time_s;
     require(time != nullptr && time->size() > 1,
             "there is no sample_time_s, and no time_s or fs either");
-    found_.insert(time);
+    lookup_.count_as_read(time);
     return step_of_times(*time);
   }
 
@@ -229,14 +222,14 @@ class RecordReader {
     try {
       step = step_of_times(*time);
     } catch (const InvalidInput& uneven) {
-      found_.insert(time);
+      lookup_.count_as_read(time);
       notes_.push_back(std::string("the times beside a sample time are not read: ") +
                        uneven.what());
       return;
     }
     require(std::abs(step / stated - 1.0) < 0.01,
             fmt::format("the sample time is {:g} s, time_s has steps of {:g} s", stated, step));
-    found_.insert(time);
+    lookup_.count_as_read(time);
   }
 
   [[nodiscard]] double step_of_times(const MatValue& time) const {
@@ -296,9 +289,9 @@ class RecordReader {
   // Takes the unit of all outputs; what is none of them is another program's, as of known_kinds.
   void take_one_unit() {
     try {
-      if (state_one_unit(fields_, data_.outputs)) find({"unit", "units"});
+      if (state_one_unit(fields_, data_.outputs)) lookup_.find({"unit", "units"});
     } catch (const InvalidInput& other) {
-      find({"unit", "units"});
+      lookup_.find({"unit", "units"});
       notes_.push_back(std::string("the variable unit is left out: ") + other.what());
     }
   }
@@ -355,7 +348,7 @@ class RecordReader {
   std::vector<std::string>& notes_;
   bool is_whole_ = true;
   MatNumbers numbers_;
-  std::set<const MatValue*> found_;
+  MatLookup lookup_{fields_};
   Index samples_ = 0, records_ = 1;
   std::array<Eigen::VectorXd, 3> factors_;  ///< SI value of 1 in each channel of a side
   std::array<const MatValue*, 3> of_side_{};

@@ -212,6 +212,37 @@ TEST(ForeignUff, ChannelsOfARecordingBeginTogether) {
   EXPECT_NE(said.find("at -0.25 s"), std::string::npos) << said;
 }
 
+// Several load cases are experiments of their number; one alone may have any number.
+TEST(ForeignUff, LoadCasesAreExperiments) {
+  const auto read = [](const std::vector<int>& cases) {
+    std::string bytes;
+    for (const int number : cases) {
+      auto one = recording(12, 0.0);
+      one.load_case = number;
+      bytes += dataset_58(one);
+    }
+    std::vector<int> experiments;
+    for (const auto& record : parse_time_uff(bytes, "a.unv").data.records) {
+      experiments.push_back(record.experiment);
+    }
+    return experiments;
+  };
+  EXPECT_EQ(read({1, 3}), (std::vector{1, 3}));
+  EXPECT_EQ(read({7}), std::vector{7});
+  EXPECT_EQ(read({-4}), std::vector{0});
+  const auto said = refusal_of([&] { return read({1, -4}); });
+  EXPECT_EQ(said, "a.unv: line 17 (12z): the load case -4, expected 0 to 1000000");
+}
+
+// Responses of one pair in two load cases are two that differ.
+TEST(ForeignUff, ResponsesOfSeveralLoadCasesAreRefused) {
+  Sample58 first{.load_case = 1}, second{.load_case = 2};
+  second.y[2] *= 2.0;
+  const auto said =
+      refusal_of([&] { return parse_frf_uff(dataset_58(first) + dataset_58(second), "a.unv"); });
+  EXPECT_NE(said.find("two responses of one pair that differ: line"), std::string::npos) << said;
+}
+
 // Each shape of another analysis had a note, and each mode was compared with all before it.
 TEST(ForeignUff, ManyShapesAreReadInTime) {
   std::string bytes = dataset_55({.analysis = 5}) + dataset_55({.analysis = 5});

@@ -24,6 +24,7 @@ struct Sample58 {
       {1.5, -2.25}, {-3.0, 4.0}, {0.125, 1e-3}, {-1e4, -1e-5}, {7, 8}};
   int response_node = 12, response_direction = 3, reference_node = 3, reference_direction = -3;
   std::string response_name = "NONE";
+  int load_case = 0;
 };
 
 inline void append_number(std::string& bytes, double value, bool is_double, bool big_endian) {
@@ -76,7 +77,7 @@ inline std::string dataset_58(const Sample58& s) {
                    : std::string("    58");
   text += eol + "response" + eol + "NONE" + eol + "21-Nov-26 10:00:00" + eol + "NONE" + eol + eol;
   text += fmt::format("{:5}{:10}{:5}{:10} {:<10}{:10}{:4} {:<10}{:10}{:4}", s.function_type, 0, 1,
-                      0, s.response_name, s.response_node, s.response_direction, "NONE",
+                      s.load_case, s.response_name, s.response_node, s.response_direction, "NONE",
                       s.reference_node, s.reference_direction) +
           eol;
   text += fmt::format("{:10}{:10}{:10}{:13.5E}{:13.5E}{:13.5E}", s.ordinate_type, s.x.size(),
