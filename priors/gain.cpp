@@ -69,9 +69,14 @@ Moments moments_of(const Sides& sides, const Peak& peak, int sign, double refere
   return found;
 }
 
-bool is_same_place(const Places& a, Eigen::Index i, const Places& b, Eigen::Index j, double near) {
-  return (a.position.row(i) - b.position.row(j)).norm() <= near &&
-         (a.direction.row(i) - b.direction.row(j)).norm() <= Constants::same_direction;
+// 1 for one place and direction, −1 for opposite directions at one place, 0 for others.
+double same_place(const Places& a, Eigen::Index i, const Places& b, Eigen::Index j, double near) {
+  if ((a.position.row(i) - b.position.row(j)).norm() > near) return 0.0;
+  for (const double sense : {1.0, -1.0}) {
+    const double off = (a.direction.row(i) - sense * b.direction.row(j)).norm();
+    if (off <= Constants::same_direction) return sense;
+  }
+  return 0.0;
 }
 
 // The distance below which two places of a body are one.
@@ -90,9 +95,10 @@ Eigen::MatrixXd functions_beyond(const TwoSidedShape& shape, double deviation) {
   Eigen::MatrixXd functions = deviation * Eigen::MatrixXd::Identity(s + a, s + a);
   for (Eigen::Index k = 0; k < a; ++k) {
     for (Eigen::Index i = 0; i < s; ++i) {
-      if (!is_same_place(shape.sensors, i, shape.actuators, k, near)) continue;
+      const double sense = same_place(shape.sensors, i, shape.actuators, k, near);
+      if (sense == 0.0) continue;
       functions(s + k, s + k) = 0.0;
-      functions(s + k, i) = deviation;
+      functions(s + k, i) = sense * deviation;
       break;
     }
   }

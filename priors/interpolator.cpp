@@ -96,6 +96,36 @@ void require_sound_values(const MeasuredShapes& measured) {
   }
 }
 
+// As many marks and deviations as there are places and modes, none of them negative.
+void require_sides(const MeasuredShapes& measured) {
+  if (!measured.sides) return;
+  const auto& sides = *measured.sides;
+  const auto s = measured.places.count();
+  const auto m = measured.mode_count();
+  require(std::ssize(sides.actuator) == s,
+          fmt::format("interpolation: there are {} marks of actuators for {} places",
+                      sides.actuator.size(), s));
+  require(sides.log_deviation.size() == m,
+          fmt::format("interpolation: there are {} deviations of the scale for {} modes",
+                      sides.log_deviation.size(), m));
+  require(sides.noise.rows() == s && sides.noise.cols() == m,
+          fmt::format("interpolation: the noise without the scale is {}x{}; expected places x "
+                      "modes, {}x{}",
+                      sides.noise.rows(), sides.noise.cols(), s, m));
+  for (Eigen::Index i = 0; i < m; ++i) {
+    require(std::isfinite(sides.log_deviation(i)) && sides.log_deviation(i) >= 0.0,
+            fmt::format("interpolation: the deviation of the scale of mode {} is {:.6g}; expected "
+                        "0 or more",
+                        i + 1, sides.log_deviation(i)));
+    for (Eigen::Index k = 0; k < s; ++k) {
+      require(std::isfinite(sides.noise(k, i)) && sides.noise(k, i) > 0.0,
+              fmt::format("interpolation: the noise without the scale at {} is {:.6g}; expected a "
+                          "positive standard deviation",
+                          at(k, i), sides.noise(k, i)));
+    }
+  }
+}
+
 // Two places that are one, and by how much the gain of the second is above that of the first.
 struct SamePlace {
   Eigen::Index first = 0, second = 0;
@@ -213,6 +243,7 @@ std::unique_ptr<ModeField> mode_field(const Interpolator& method, const Measured
                                       const Simulation& simulation) {
   require_sizes(measured, simulation);
   require_sound_values(measured);
+  require_sides(measured);
   const auto unequal = unequal_gains(measured);
   if (method.uses_modes) {
     const auto r = simulation.mode_count();

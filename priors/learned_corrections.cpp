@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -155,6 +156,14 @@ std::vector<CorrectedSimulation> simulations_aside(const Search& search, const E
   return aside;
 }
 
+// What is far from plausible although the simulation is corrected. κ is not learned, and η has no
+// prior here: corrections are to make it small, so only a large one is doubted.
+std::vector<std::string> doubts_left(ResidualErrors errors, const ResidualPlausible& plausible) {
+  errors.prior.kappa = plausible.middle(kKappa);
+  errors.prior.eta = std::max(errors.prior.eta, plausible.middle(kEta));
+  return doubts_of(errors, plausible);
+}
+
 }  // namespace
 
 LearnedCorrections learned_corrections(const MeasuredShapes& measured, const ModalBasis& basis,
@@ -171,6 +180,7 @@ LearnedCorrections learned_corrections(const MeasuredShapes& measured, const Mod
   const auto root = posterior_root(search, best.at);
   learned.aside = simulations_aside(search, best.at, root);
   learned.log_evidence = 0.5 * best.at.tail(best.at.size() - 1).squaredNorm() - best.value;
+  learned.doubts = doubts_left(learned.likeliest.errors, plausible);
   learned.deviation.resize(learned.parameters.size());
   for (Eigen::Index f = 0; f < learned.parameters.size(); ++f) {
     const auto& correction = corrections[static_cast<std::size_t>(f)];

@@ -22,7 +22,7 @@ struct LearnedCorrections {
   std::vector<CorrectedSimulation> aside;
   double log_evidence = 0.0;
   int evaluations = 0;
-  std::vector<std::string> doubts;  ///< corrections that are far from their prior
+  std::vector<std::string> doubts;  ///< on the errors that are left, then on the corrections
 };
 
 /// The corrections and γ that are most likely under the measurement and their normal priors. The

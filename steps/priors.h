@@ -41,6 +41,7 @@ struct LearnedPriors {
   /// the shape's square (priors::expected_length). Empty without channels, or for kernels with more
   /// than one length.
   Eigen::VectorXd matched_length, expected_error;
+  std::vector<bool> matched_at_bound;  ///< that length is at the end of its range: none was found
   /// The same error for thin-plate splines, by name; they do not learn from samples.
   std::vector<std::pair<std::string, Eigen::VectorXd>> spline_error;
   std::vector<std::string> notes, warnings;

@@ -241,8 +241,8 @@ std::unique_ptr<ModeField> matched(const MeasuredShapes& measured, const Simulat
   for (Eigen::Index i = 0; i < measured.mode_count(); ++i) {
     const auto best = expected_length(kernel, expectation.task(i));
     settled.length(i) = best.length;
-    if (best.length > lengths.first) continue;
-    settled.at_bound = true;
+    settled.at_bound |= best.at_bound;
+    if (best.length > lengths.first) continue;  // the longest one is that of a plane
     settled.notes.push_back(fmt::format(
         "mode {}: no length scale lets these places resolve what the simulation expects there; "
         "expected error {:.2g} of its square",

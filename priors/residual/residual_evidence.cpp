@@ -129,26 +129,6 @@ PooledEvidence evidence_of(const MeasuredShapes& measured, const ModalBasis& bas
   return evidence;
 }
 
-std::vector<std::string> doubts_of(const Eigen::Vector4d& logarithms,
-                                   const ResidualPlausible& plausible) {
-  constexpr std::array kNames{"eta (relative error of the squared frequencies)",
-                              "kappa (errors of the mass against those of the stiffness)",
-                              "gamma (real stiffness per mass over the simulation's)",
-                              "the noise over the stated one"};
-  std::vector<std::string> doubts;
-  for (Eigen::Index k = 0; k < 4; ++k) {
-    const double middle = plausible.middle(k);
-    const double away = (logarithms(k) - std::log(middle)) / plausible.spread(k);
-    if (std::abs(away) < Constants::doubtful) continue;
-    doubts.push_back(
-        fmt::format("{} is {:.3g}, far from the plausible {:.3g} (a factor {:.2g} "
-                    "either way): the simulation or the data may be wrong",
-                    kNames[static_cast<std::size_t>(k)], std::exp(logarithms(k)), middle,
-                    std::exp(plausible.spread(k))));
-  }
-  return doubts;
-}
-
 }  // namespace
 
 ModalBasis modal_basis(const Simulation& simulation) {
@@ -217,6 +197,27 @@ PooledEvidence pooled_evidence(const MeasuredShapes& measured, const ModalBasis&
   return pooled;
 }
 
+std::vector<std::string> doubts_of(const ResidualErrors& errors,
+                                   const ResidualPlausible& plausible) {
+  constexpr std::array kNames{"eta (relative error of the squared frequencies)",
+                              "kappa (errors of the mass against those of the stiffness)",
+                              "gamma (real stiffness per mass over the simulation's)",
+                              "the noise over the stated one"};
+  const Eigen::Vector4d values{errors.prior.eta, errors.prior.kappa, errors.prior.gamma,
+                               errors.noise};
+  std::vector<std::string> doubts;
+  for (Eigen::Index k = 0; k < 4; ++k) {
+    const double middle = plausible.middle(k);
+    const double away = std::log(values(k) / middle) / plausible.spread(k);
+    if (std::abs(away) < Constants::doubtful) continue;
+    doubts.push_back(fmt::format(
+        "{} is {:.3g}, far from the plausible {:.3g} (a factor {:.2g} "
+        "either way): the simulation or the data may be wrong",
+        kNames[static_cast<std::size_t>(k)], values(k), middle, std::exp(plausible.spread(k))));
+  }
+  return doubts;
+}
+
 LearnedErrors learned_errors(const MeasuredShapes& measured, const ModalBasis& basis,
                              const ResidualPlausible& plausible) {
   const Eigen::Vector4d middle = plausible.middle.array().log();
@@ -245,7 +246,7 @@ LearnedErrors learned_errors(const MeasuredShapes& measured, const ModalBasis& b
   const auto best = minimum(implausibility, start, middle - range, middle + range, {1e-3, 200});
   learned.errors = errors_of(best.at);
   learned.log_evidence = pooled_evidence(measured, basis, learned.errors).log_evidence;
-  learned.doubts = doubts_of(best.at, plausible);
+  learned.doubts = doubts_of(learned.errors, plausible);
   return learned;
 }
 

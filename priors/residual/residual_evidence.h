@@ -67,6 +67,10 @@ struct ResidualPlausible {
   Eigen::Vector4d spread{1.0, 1.5, 0.5, 0.25};  ///< of their logarithms
 };
 
+/// Sentences on the numbers that are far from their prior.
+[[nodiscard]] std::vector<std::string> doubts_of(const ResidualErrors& errors,
+                                                 const ResidualPlausible& plausible);
+
 /// The most likely errors under the measurement and the prior. The search starts at
 /// the best of a few γ.
 struct LearnedErrors {

@@ -23,9 +23,9 @@ std::string lengths_text(const steps::LearnedPriors& result, const priors::Learn
   return text;
 }
 
-std::string bound_text(const priors::Learned& one) {
+std::string bound_text(const std::vector<std::string>& at_bound) {
   std::string text;
-  for (const auto& name : one.at_bound) text += (text.empty() ? "at bound: " : ", ") + name;
+  for (const auto& name : at_bound) text += (text.empty() ? "at bound: " : ", ") + name;
   return text;
 }
 
@@ -99,11 +99,13 @@ std::string modes_text(const stage::Solution& solution, const steps::LearnedPrio
       text += fmt::format("{:>20.1f}{:>14.2g} %", 1e3 * result.matched_length(row),
                           100.0 * result.expected_error(row));
     }
-    text += "  " + bound_text(one) + "\n";
+    auto at_bound = one.at_bound;
+    if (has_matched && result.matched_at_bound[i]) at_bound.emplace_back("length at channels");
+    text += "  " + bound_text(at_bound) + "\n";
   }
   text += fmt::format("{:<22}{:>12}{:>12.3f}{:>12.1e}{:>16.1f}  {}\n", "all together",
                       lengths_text(result, last.shared), last.shared.sigma, last.shared.noise,
-                      last.shared.log_likelihood, bound_text(last.shared));
+                      last.shared.log_likelihood, bound_text(last.shared.at_bound));
   return text;
 }
 
@@ -149,6 +151,7 @@ io::JsonObject priors_json(const stage::Solution& solution, const steps::Learned
     if (result.matched_length.size() > 0) {
       const auto row = static_cast<Eigen::Index>(i);
       one.emplace_back("matched_length_m", result.matched_length(row));
+      one.emplace_back("matched_at_bound", static_cast<bool>(result.matched_at_bound[i]));
       one.emplace_back("expected_error", result.expected_error(row));
     }
     modes.push_back(std::move(one));

@@ -154,6 +154,7 @@ void add_matched(const stage::Solution& solution, const priors::Places& places,
     const auto best = priors::expected_length(result.kernel, task);
     result.matched_length(i) = best.length;
     result.expected_error(i) = best.error;
+    result.matched_at_bound.push_back(best.at_bound);
   }
 }
 
@@ -171,6 +172,18 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
+// Where no length fits the channels, that at the end of the range is none that was found.
+void warn_of_matched(const stage::Solution& solution, LearnedPriors& result) {
+  std::vector<std::string> none;
+  for (std::size_t i = 0; i < result.matched_at_bound.size(); ++i) {
+    if (!result.matched_at_bound[i]) continue;
+    none.push_back(name_of(solution, result, static_cast<Eigen::Index>(i)));
+  }
+  if (none.empty()) return;
+  result.warnings.push_back("matched lengths at the end of their range: " + joined(none) +
+                            "; at the shortest one the channels do not resolve the mode");
+}
+
 void add_warnings(const stage::Solution& solution, LearnedPriors& result) {
   const auto& last = result.last();
   std::vector<std::string> bound;
@@ -186,6 +199,7 @@ void add_warnings(const stage::Solution& solution, LearnedPriors& result) {
   if (!bound.empty()) {
     result.warnings.push_back("hyper-parameters at the end of their range: " + joined(bound));
   }
+  warn_of_matched(solution, result);
   if (!ridge.empty()) {
     result.warnings.push_back(fmt::format(
         "on the ridge of sigma and length: {} of {} change by more than {:.0f} % when the noise "

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <string>
 
 #include "base/error.h"
 
@@ -251,6 +253,31 @@ TEST(LearnedCorrections, SayWhatIsFarFromPlausible) {
       learned_corrections(measured, all.basis, all.corrections, {.middle = {0.1, 5.0, 1.0, 1.0}});
   ASSERT_FALSE(learned.doubts.empty());
   EXPECT_NE(learned.doubts.front().find("mass 1"), std::string::npos) << learned.doubts.front();
+}
+
+// The stated noise is ten times the real one: the doubt is that of the noise, not of a correction.
+TEST(LearnedCorrections, SayThatTheNoiseIsNotTheStatedOne) {
+  const auto all = made(1);
+  auto measured = measured_of(all, Eigen::VectorXd::Zero(6), 0.005, 1);
+  const ResidualPlausible plausible{.middle = {0.1, 5.0, 1.0, 1.0}};
+  const auto fair = learned_corrections(measured, all.basis, all.corrections, plausible);
+  EXPECT_TRUE(fair.doubts.empty());
+  measured.noise *= 10.0;
+  const auto learned = learned_corrections(measured, all.basis, all.corrections, plausible);
+  ASSERT_FALSE(learned.doubts.empty());
+  EXPECT_TRUE(learned.doubts.front().starts_with("the noise over the stated one is"))
+      << learned.doubts.front();
+}
+
+// A real structure of four times the stiffness per mass is no correction's either.
+TEST(LearnedCorrections, SayThatTheStiffnessAsAWholeIsFarOff) {
+  const auto all = made(1);
+  auto measured = measured_of(all, Eigen::VectorXd::Zero(6), 0.005, 1);
+  measured.frequency_hz *= 2.2;
+  const auto learned =
+      learned_corrections(measured, all.basis, all.corrections, {.middle = {0.1, 5.0, 1.0, 1.0}});
+  const auto is_gamma = [](const std::string& doubt) { return doubt.starts_with("gamma"); };
+  EXPECT_TRUE(std::ranges::any_of(learned.doubts, is_gamma)) << learned.doubts.size();
 }
 
 TEST(LearnedCorrections, RefuseWhatDoesNotFit) {

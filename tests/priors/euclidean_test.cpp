@@ -244,6 +244,23 @@ TEST(SquaredExponential, SaysWhichModeThePlacesHardlySee) {
   }
 }
 
+// A plane has no shortest wave: the longer the length, the better, up to the end of the range.
+TEST(SquaredExponential, SaysThatAMatchedLengthIsTheLongest) {
+  auto simulation = simulation_on(grid(25, 25, kSide, kSide));
+  auto measured = measured_at(grid(6, 6, 0.5, 0.5), {3});
+  for (auto* places : {&simulation.surface, &measured.places}) {
+    for (auto column : places->shapes.colwise()) {
+      column = (1.0 + 0.1 * places->position.col(0).array()).matrix();
+    }
+  }
+  measured.values.col(0) = measured.places.shapes.col(0);
+  const auto field = mode_field(interpolator("squared_exponential_matched"), measured, simulation);
+  const auto& length = field->summary().parameters.front();
+  EXPECT_EQ(length.name, "length_scale");
+  EXPECT_NEAR(length.value(0), length_range(measured.places.position).second, 1e-9);
+  EXPECT_TRUE(length.at_bound);
+}
+
 TEST(SquaredExponential, NeedsAModeThatMovesTheSurface) {
   auto simulation = simulation_on(grid(25, 25, kSide, kSide));
   simulation.surface.shapes.rightCols(std::ssize(kWaves)).setZero();

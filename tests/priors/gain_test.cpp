@@ -98,6 +98,27 @@ TEST(Gain, OfASinglePairIsTheRatioOfItsValues) {
   EXPECT_NEAR(match.deviation, std::hypot(0.02, 0.01), 0.1 * match.deviation);
 }
 
+// An actuator that pushes against the direction of its sensor is at its place all the same.
+TEST(Gain, OfAPairThatLooksTheOtherWayIsThatOfAPair) {
+  auto basis = basis_of_minimal();
+  basis.beyond_square *= 30.0;  // much beyond the computed modes, which a pair shares
+  auto shape = seen_from_both_sides(1, 4, 0.5, 5);
+  const auto actuators = shape.actuators;
+  shape.sensors = part(actuators, {2, 7});
+  const double alpha = std::exp(0.25);
+  shape.sensor_values = alpha * alpha * shape.actuator_values(std::vector<Eigen::Index>{2, 7});
+  shape.sensor_noise = alpha * alpha * shape.actuator_noise.head(2);
+  const auto along = gain_match(shape, basis);
+  shape.actuators.direction *= -1.0;
+  shape.actuators.shapes *= -1.0;
+  shape.actuator_values *= -1.0;
+  const auto against = gain_match(shape, basis);
+  EXPECT_EQ(against.sign, along.sign);
+  EXPECT_NEAR(against.log_gain, along.log_gain, 1e-9);
+  EXPECT_NEAR(against.deviation, along.deviation, 1e-9);
+  EXPECT_NEAR(against.log_evidence, along.log_evidence, 1e-9);
+}
+
 TEST(Gain, RefusesASideThatIsMissingOrSeesNothing) {
   auto shape = seen_from_both_sides(1, 0, 0.5, 5);
   shape.sensor_values.setZero();

@@ -177,6 +177,56 @@ INSTANTIATE_TEST_SUITE_P(Interpolator, Every,
                          testing::ValuesIn(interpolators().begin(), interpolators().end()),
                          [](const auto& one) { return std::string(one.param->name); });
 
+// Marks, deviations of the scale or noise of another size were read beyond their ends.
+TEST(Interpolator, RefusesSidesThatDoNotFit) {
+  const auto made = plate_case("rings", 1, 4);
+  const auto s = made.measured.places.count();
+  const auto refused = [&](const BothSides& sides, const std::string& words) {
+    auto bad = made.measured;
+    bad.sides = sides;
+    try {
+      (void)mode_field(interpolator("thin_plate_spline"), bad, made.simulation);
+      ADD_FAILURE() << "taken; expected a refusal about " << words;
+    } catch (const InvalidInput& e) {
+      EXPECT_NE(std::string(e.what()).find(words), std::string::npos) << e.what();
+    }
+  };
+  const BothSides sound{std::vector<bool>(static_cast<std::size_t>(s), false),
+                        Eigen::VectorXd::Zero(4), made.measured.noise};
+  auto sides = sound;
+  sides.actuator.pop_back();
+  refused(sides, "marks of actuators");
+  sides = sound;
+  sides.log_deviation = Eigen::VectorXd::Zero(3);
+  refused(sides, "deviations of the scale");
+  sides = sound;
+  sides.log_deviation(2) = -0.1;
+  refused(sides, "mode 3");
+  sides = sound;
+  sides.noise = made.measured.noise.topRows(s - 1);
+  refused(sides, "noise");
+  sides = sound;
+  sides.noise(1, 2) = std::numeric_limits<double>::quiet_NaN();
+  refused(sides, "place 2, mode 3");
+  auto taken = made.measured;
+  taken.sides = sound;
+  EXPECT_NO_THROW((void)mode_field(interpolator("thin_plate_spline"), taken, made.simulation));
+}
+
+// The default method with corrections leaves out no doubt on the noise.
+TEST(Interpolator, NotesThatTheNoiseIsNotTheStatedOne) {
+  auto made = plate_case("rings", 1, 6);
+  made.measured.frequency_hz = made.simulation.frequency_hz.segment(3, 6);
+  made.measured.values = made.measured.places.shapes.middleCols(3, 6);
+  made.measured.noise.setConstant(0.1 * made.measured.values.norm() / std::sqrt(6.0 * 13.0));
+  const Eigen::RowVectorXd row = made.simulation.surface.shapes.row(7);
+  made.simulation.corrections = {{"mass", {}, row.transpose() * row, 0.03}};
+  const auto field = mode_field(interpolator("dynamic_residual"), made.measured, made.simulation);
+  std::string notes;
+  for (const auto& note : field->summary().notes) notes += note + "\n";
+  EXPECT_NE(notes.find("the noise over the stated one is"), std::string::npos) << notes;
+}
+
 TEST(Serep, NeedsASimulatedModeInItsBand) {
   auto made = plate_case("rings", 1, 8);
   made.simulation.frequency_hz.array() += 1e6;

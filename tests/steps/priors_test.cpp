@@ -7,9 +7,11 @@
 #include <fstream>
 #include <numbers>
 #include <sstream>
+#include <variant>
 
 #include "base/error.h"
 #include "io/json.h"
+#include "priors/learning.h"
 #include "show/priors.h"
 #include "tests/app/quiet_run.h"
 
@@ -148,6 +150,30 @@ TEST_F(Priors, MatchesTheLengthToTheChannels) {
   EXPECT_GT(with.matched_length(0), with.last().per_mode[0].parameters(0));
   EXPECT_LT(with.expected_error(0), with.expected_error(5));  // five places see six modes badly
   EXPECT_EQ(learned_with("samples = [50]\nmodes = 1").matched_length.size(), 0);
+}
+
+// Two places do not resolve twelve modes: no length lets them, and the shortest one is no finding.
+TEST_F(Priors, SaysWhichMatchedLengthsAreNone) {
+  const auto third = kChannels.find("[[sensor]]\nname = \"s3\"");
+  const auto two = learned_with("samples = [50]", kChannels.substr(0, third));
+  Points places(2, 3);
+  places << -0.25, 0.21, 0.01, 0.24, 0.19, 0.01;
+  const auto [low, high] = priors::length_range(places);
+  const auto json = left();
+  int none = 0;
+  for (Eigen::Index i = 0; i < two.matched_length.size(); ++i) {
+    const double length = two.matched_length(i);
+    const bool at_bound = length < 1.001 * low || length > 0.999 * high;
+    none += at_bound ? 1 : 0;
+    const auto& one = json.at("modes").array().at(static_cast<std::size_t>(i));
+    EXPECT_EQ(std::get<bool>(one.at("matched_at_bound").value()), at_bound)
+        << i << ", " << length << " m";
+  }
+  EXPECT_GT(none, 0);
+  EXPECT_NE(table_.find("! matched lengths at the end of their range: "), std::string::npos)
+      << table_;
+  (void)learned_with("samples = [50]\nmodes = 2", kChannels);
+  EXPECT_EQ(table_.find("matched lengths at the end"), std::string::npos) << table_;
 }
 
 TEST_F(Priors, TakesNoMoreSamplesThanThereAre) {
