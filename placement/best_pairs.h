@@ -15,7 +15,10 @@ class PairViews {
   /// @param surface  the points over which norms of the shapes are taken
   PairViews(const Structure& structure, const Sites& surface, WantedModes wanted, const Plan& plan);
 
-  [[nodiscard]] std::vector<PairView> at(const Sites& sites) const;
+  /// @param member  0: the structure; then those of its ensemble
+  [[nodiscard]] PairView view(const Sites& sites, std::size_t member) const;
+  /// All of them. These views and the sites must live longer.
+  [[nodiscard]] Views at(const Sites& sites) const;
   [[nodiscard]] Over over() const { return over_; }
 
  private:

@@ -41,6 +41,10 @@ struct Constants {
   static constexpr double same_face = 0.7;
   /// Most steps of a refinement [steps] (chosen, 8de1b5e).
   static constexpr int refine_steps = 200;
+  /// Last step of a refinement [m] (chosen, 8de1b5e).
+  static constexpr double last_step = 5e-5;
+  /// The same at most, on a small body [diagonals of the surface] (chosen).
+  static constexpr double last_step_part = 1e-3;
   /// Step on the surface that gives the slope of a mode [diagonals of the body] (chosen, 8de1b5e).
   static constexpr double slope_step = 1e-3;
   /// Distance of the rim of a footprint from the surface, beyond its bend, above which it reaches

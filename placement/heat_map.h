@@ -1,6 +1,8 @@
 // Map of good places for a collocated pair.
 #pragma once
 
+#include <functional>
+
 #include "placement/criteria.h"
 #include "placement/sites.h"
 
@@ -27,6 +29,14 @@ struct GroupNorms {
 
 enum class Over { worst, mean };
 
+/// The views of an ensemble, which are made one after the other: all at once may be gigabytes.
+struct Views {
+  std::size_t count = 0;
+  std::function<PairView(std::size_t member)> view;
+};
+/// Those of models that are all at hand.
+[[nodiscard]] Views views_of(std::vector<PairView> ensemble);
+
 /// n sites, g groups of modes.
 struct HeatMap {
   Eigen::MatrixXd by_group;  ///< n×g: the criterion's scores, combined over the ensemble
@@ -37,8 +47,12 @@ struct HeatMap {
 /// Each member of the ensemble gives one view, with the same sites and groups. Each group's score
 /// is the worst or the mean over the members.
 /// @throws InvalidInput  there is no view, or they differ in size
-[[nodiscard]] HeatMap heat_map(const Criterion& criterion, const std::vector<PairView>& ensemble,
+[[nodiscard]] HeatMap heat_map(const Criterion& criterion, const Views& views,
                                Over over = Over::worst);
+
+/// The map of each criterion. Every view is made once.
+[[nodiscard]] std::vector<HeatMap> heat_maps(std::span<const Criterion* const> all,
+                                             const Views& views, Over over = Over::worst);
 
 /// The rows of `allowed` with the highest scores, at least `spacing` [m] apart, best first; equal
 /// scores keep their order. At most `count`.
@@ -53,11 +67,10 @@ struct ChosenPair {
   double score = 0.0;  ///< of all pairs up to this one
   int limiting = -1;   ///< the limiting group
 };
-/// @param ensemble  its pairs in place are only those that really exist
+/// @param views  their pairs in place are only those that really exist
 /// @throws InvalidInput  `allowed` and `spacing` leave no site for a pair
-[[nodiscard]] std::vector<ChosenPair> chosen_pairs(const Criterion& criterion,
-                                                   std::vector<PairView> ensemble, Over over,
-                                                   const Points& position,
+[[nodiscard]] std::vector<ChosenPair> chosen_pairs(const Criterion& criterion, const Views& views,
+                                                   Over over, const Points& position,
                                                    const std::vector<Eigen::Index>& allowed,
                                                    double spacing, int count);
 

@@ -53,7 +53,8 @@ std::shared_ptr<ModesResult> modes_of(const py::object& source, const py::object
 Eigen::MatrixXd values_at(const ModesResult& modes, const Points& points,
                           const std::optional<Points>& direction) {
   const LongCall call;
-  const auto sites = stage::sites_near(modes.finder(), points);
+  const auto sites =
+      stage::sites_near(modes.finder(), points, stage::reach_of(modes.solution()->model.body));
   return stage::shapes_at(sites, stage::directions_at(sites, direction), modes.solution()->modes);
 }
 

@@ -1,4 +1,5 @@
 // Best places and layouts on arrays.
+#include <fmt/format.h>
 #include <pybind11/eigen.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -6,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/error.h"
 #include "placement/best_layouts.h"
 #include "placement/best_pairs.h"
 #include "python/long_call.h"
@@ -17,15 +19,28 @@ namespace {
 namespace py = pybind11;
 using placement::Plan;
 
-placement::Sites surface_sites(const Points& position, const Eigen::VectorXd& area,
-                               const Eigen::MatrixXd& shapes,
-                               const std::optional<Eigen::MatrixXd>& slopes) {
-  placement::Sites sites;
+// Sites of arrays; without slopes they say nothing of an error of the position.
+struct ArraySites : placement::Sites {
+  bool has_slopes = true;
+};
+
+void require_slopes(const ArraySites& sites, const Plan& plan) {
+  require(sites.has_slopes || plan.position_error == 0.0,
+          fmt::format("plan.position_error is {:g} m and the Sites have no slopes, from which its "
+                      "effect follows; expected Sites(..., slopes) or position_error = 0",
+                      plan.position_error));
+}
+
+ArraySites surface_sites(const Points& position, const Eigen::VectorXd& area,
+                         const Eigen::MatrixXd& shapes,
+                         const std::optional<Eigen::MatrixXd>& slopes) {
+  ArraySites sites;
   sites.position = position;
   sites.normal = Points::Zero(position.rows(), 3);
   sites.patch = Eigen::VectorXi::Zero(position.rows());
   sites.area = area;
   sites.shapes = shapes;
+  sites.has_slopes = slopes.has_value();
   sites.slopes = slopes.value_or(Eigen::MatrixXd::Zero(shapes.rows(), shapes.cols()));
   sites.whole.assign(static_cast<std::size_t>(position.rows()), 1);
   return sites;
@@ -53,14 +68,15 @@ placement::Structure structure_with(const Eigen::VectorXd& frequency_hz, double 
   return structure;
 }
 
-placement::WantedModes wanted(const placement::Structure& structure,
-                              const placement::Sites& surface, const Plan& plan) {
+placement::WantedModes wanted(const placement::Structure& structure, const ArraySites& surface,
+                              const Plan& plan) {
   std::vector<std::string> notes;
   return placement::wanted_modes(structure, surface, plan, notes);
 }
 
 std::vector<placement::BestPair> best_pairs(const placement::Structure& structure,
-                                            const placement::Sites& surface, const Plan& plan) {
+                                            const ArraySites& surface, const Plan& plan) {
+  require_slopes(surface, plan);
   const LongCall call;
   const placement::PairViews views(structure, surface, wanted(structure, surface, plan), plan);
   const auto places = placement::best_pairs(views, surface, {surface, true}, plan, nullptr, {});
@@ -68,16 +84,17 @@ std::vector<placement::BestPair> best_pairs(const placement::Structure& structur
 }
 
 std::vector<placement::Optimum> best_layouts(const placement::Structure& structure,
-                                             const placement::Sites& surface, const Plan& plan,
+                                             const ArraySites& surface, const Plan& plan,
                                              unsigned seed) {
   const LongCall call;
   return placement::best_layouts(structure, surface, {surface, true},
                                  wanted(structure, surface, plan), plan, seed);
 }
 
-py::dict layout_score(const placement::Structure& structure, const placement::Sites& surface,
+py::dict layout_score(const placement::Structure& structure, const ArraySites& surface,
                       const Plan& plan, const std::vector<std::size_t>& sensors,
                       const std::vector<std::size_t>& actuators) {
+  require_slopes(surface, plan);
   const auto score = [&] {
     const LongCall call;
     return placement::LayoutScorer(structure, surface, wanted(structure, surface, plan), plan)
@@ -97,12 +114,12 @@ py::dict layout_score(const placement::Structure& structure, const placement::Si
 }
 
 void add_structure(py::module_& module) {
-  py::class_<placement::Sites>(module, "Sites", "n places where devices may be, with r modes")
+  py::class_<ArraySites>(module, "Sites", "n places where devices may be, with r modes")
       .def(py::init(&surface_sites), py::arg("position"), py::arg("area"), py::arg("shapes"),
            py::arg("slopes") = py::none(),
            "position n x 3 [m], area n [m^2], shapes n x r [kg^-1/2], slopes n x r "
-           "[kg^-1/2 m^-1] along the surface (none: 0)")
-      .def("__len__", &placement::Sites::count);
+           "[kg^-1/2 m^-1] along the surface (none: not known, for a position_error of 0)")
+      .def("__len__", [](const ArraySites& sites) { return sites.count(); });
   py::class_<placement::Channels>(module, "Channels", "s sensors, or s actuators")
       .def(py::init<>())
       .def(py::init(&channel_rows), py::arg("position"), py::arg("direction"), py::arg("shapes"),

@@ -11,17 +11,16 @@
 
 namespace chladni::stage {
 
-inline constexpr double kOnTheBody = 1e-3;  ///< [m]: a place that is farther off is an error
-
-/// How far a channel or an attachment may be off the body [m]: 1 mm, but no more than a hundredth
-/// of the body's longest side.
+/// How far a channel, a point or an attachment may be off the body [m]: 1 mm, but no more than a
+/// hundredth of the body's longest side.
 [[nodiscard]] double reach_of(const mesh::TetMesh& body);
 
 /// The sites nearest to `points`, n×3 [m].
-/// @throws InvalidInput  a point is more than 1 mm off the surface, as for the places of a study:
-///                       names its row, its place and the nearest one
+/// @param reach          `reach_of` the body
+/// @throws InvalidInput  a point is farther off the surface: names its row, its place and the
+///                       nearest one
 [[nodiscard]] std::vector<mesh::Site> sites_near(const mesh::SiteFinder& finder,
-                                                 const Points& points);
+                                                 const Points& points, double reach);
 
 /// The place of a study on a body: seen from above, or the nearest one. Where nothing is below a
 /// place that is seen from above, the point nearest to the vertical line through it. Its `distance`

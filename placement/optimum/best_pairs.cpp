@@ -5,6 +5,7 @@
 #include <numeric>
 #include <optional>
 
+#include "placement/constants.h"
 #include "placement/refine.h"
 
 namespace chladni::placement {
@@ -84,39 +85,39 @@ Eigen::MatrixXd PairViews::wanted_part(const Eigen::MatrixXd& shapes, std::size_
   return shapes * turn;
 }
 
-std::vector<PairView> PairViews::at(const Sites& sites) const {
-  std::vector<PairView> views;
-  for (std::size_t k = 0; k < norms_.size(); ++k) {
-    PairView view;
-    view.groups = wanted_.groups;
-    view.shapes = wanted_part(sites.shapes, k);
-    view.slopes = sites.slopes(Eigen::all, wanted_.columns);
-    view.present = wanted_part(present_, k);
-    view.present_slopes = present_slopes_;
-    view.actuators = wanted_part(actuators_, k);
-    view.largest = norms_[k].largest;
-    view.rms = norms_[k].rms;
-    view.sensor_noise = wanted_.sensor_noise;
-    view.actuator_noise = wanted_.actuator_noise;
-    view.position_error = position_error_;
-    views.push_back(std::move(view));
-  }
-  return views;
+PairView PairViews::view(const Sites& sites, std::size_t member) const {
+  PairView view;
+  view.groups = wanted_.groups;
+  view.shapes = wanted_part(sites.shapes, member);
+  view.slopes = sites.slopes(Eigen::all, wanted_.columns);
+  view.present = wanted_part(present_, member);
+  view.present_slopes = present_slopes_;
+  view.actuators = wanted_part(actuators_, member);
+  view.largest = norms_[member].largest;
+  view.rms = norms_[member].rms;
+  view.sensor_noise = wanted_.sensor_noise;
+  view.actuator_noise = wanted_.actuator_noise;
+  view.position_error = position_error_;
+  return view;
+}
+
+Views PairViews::at(const Sites& sites) const {
+  return {norms_.size(), [this, &sites](std::size_t member) { return view(sites, member); }};
 }
 
 PairPlaces best_pairs(const PairViews& views, const Sites& surface, const Candidates& candidates,
                       const Plan& plan, const Sampler* sampler, const std::vector<Rule>& rules) {
   PairPlaces places;
   places.criterion = &criterion(plan.criterion);
-  const auto on_surface = views.at(surface);
-  for (const auto* each : criteria()) {
-    if (each == places.criterion) places.chosen = places.maps.size();
-    places.maps.push_back(heat_map(*each, on_surface, views.over()));
-  }
+  const auto all = criteria();
+  places.chosen = static_cast<std::size_t>(std::ranges::find(all, places.criterion) - all.begin());
+  places.maps = heat_maps(all, views.at(surface), views.over());
   const auto& sites = candidates.sites;
   const auto rows = all_rows(sites.count());
   const auto map = heat_map(*places.criterion, views.at(sites), views.over());
   const double apart = std::max(plan.spacing, 0.05 * diagonal(sites.position));
+  const double last_step =
+      std::min(Constants::last_step, Constants::last_step_part * diagonal(surface.position));
   std::optional<FaceFinder> faces;
   if (sampler != nullptr && !candidates.faces.empty()) {
     faces.emplace(sampler->body(), candidates.faces);
@@ -126,7 +127,7 @@ PairPlaces best_pairs(const PairViews& views, const Sites& surface, const Candid
     auto site = part(sites, {row});
     if (sampler != nullptr && !candidates.is_grid) {
       site = refined(*sampler, site, worth_of(views, *places.criterion, rules),
-                     0.5 * grain(surface), 5e-5, faces ? &*faces : nullptr);
+                     0.5 * grain(surface), last_step, faces ? &*faces : nullptr);
     }
     const auto here = heat_map(*places.criterion, views.at(site), views.over());
     found.push_back({site.position.row(0).transpose(), here.score(0), here.limiting(0)});

@@ -82,7 +82,8 @@ class BranchAndBound {
     best_.score = log_determinant(problem_, best_.sites);
   }
 
-  // Fixes candidates by reduced cost, then splits at the weight nearest to one half.
+  // Fixes candidates by reduced cost and by the spacing, then splits at the weight nearest to one
+  // half.
   void branch(const Node& node, const Relaxation& relaxation, Eigen::Index wanted) {
     Eigen::VectorXd sorted = relaxation.gain;
     std::sort(sorted.data(), sorted.data() + sorted.size(), std::greater<>());
@@ -92,37 +93,41 @@ class BranchAndBound {
     Node rest;
     rest.in = node.in;
     rest.bound = std::min(node.bound, relaxation.bound);
-    Eigen::Index split = -1;
-    double nearest = HUGE_VAL;
+    Eigen::VectorXd weight = Eigen::VectorXd::Zero(problem_.rows.rows());
     for (Eigen::Index c = 0; c < relaxation.z.size(); ++c) {
       const Eigen::Index candidate = node.free[static_cast<std::size_t>(c)];
+      weight(candidate) = relaxation.z(c);
       if (last_in - relaxation.gain(c) > slack) continue;
-      if (relaxation.gain(c) - first_out > slack) {
-        rest.in.push_back(candidate);
-        continue;
-      }
-      rest.free.push_back(candidate);
-      const double off = std::abs(relaxation.z(c) - 0.5);
-      if (off < nearest) {
-        nearest = off;
-        split = candidate;
-      }
+      (relaxation.gain(c) - first_out > slack ? rest.in : rest.free).push_back(candidate);
     }
-    push(rest, split);
+    if (keeps_spacing(rest)) push(rest, weight);
   }
 
-  void push(Node& rest, Eigen::Index split) {
+  // Leaves out what is too near to a chosen one. @return  false: two chosen ones are too near
+  [[nodiscard]] bool keeps_spacing(Node& node) const {
+    if (problem_.spacing <= 0.0) return true;
+    if (!spaced(node.in)) return false;
+    std::erase_if(node.free, [&](Eigen::Index candidate) {
+      return !fits(problem_.position, problem_.spacing, node.in, candidate);
+    });
+    return true;
+  }
+
+  void push(Node& rest, const Eigen::VectorXd& weight) {
     const auto wanted = [&](const Node& node) {
       return problem_.count - static_cast<Eigen::Index>(node.in.size());
     };
-    if (split < 0 || wanted(rest) <= 0) {
+    if (rest.free.empty() || wanted(rest) <= 0) {
       settle(rest, wanted(rest));
       return;
     }
+    const auto off = [&](Eigen::Index candidate) { return std::abs(weight(candidate) - 0.5); };
+    const Eigen::Index split = *std::ranges::min_element(rest.free, {}, off);
     std::erase(rest.free, split);
     Node with = rest;
     with.in.push_back(split);
     for (Node* child : {&with, &rest}) {
+      if (!keeps_spacing(*child)) continue;
       const auto left = static_cast<Eigen::Index>(child->free.size());
       if (wanted(*child) <= 0 || wanted(*child) >= left) {
         settle(*child, wanted(*child));

@@ -69,7 +69,7 @@ class StudyField : public Result {
 
   [[nodiscard]] priors::Places places_near(const Points& points,
                                            const std::optional<Points>& direction) const {
-    const auto sites = stage::sites_near(finder_, points);
+    const auto sites = stage::sites_near(finder_, points, stage::reach_of(solution_->model.body));
     return steps::places_at(sites, stage::directions_at(sites, direction), solution_->modes,
                             found_.harmonics);
   }

@@ -18,12 +18,14 @@ std::string in_mm(const Eigen::Vector3d& at) {
 }  // namespace
 
 double reach_of(const mesh::TetMesh& body) {
+  constexpr double kFarthest = 1e-3;  // [m]
   constexpr double kShare = 0.01;
   const auto box = mesh::bounding_box(body.points);
-  return std::min(kOnTheBody, kShare * (box.row(1) - box.row(0)).maxCoeff());
+  return std::min(kFarthest, kShare * (box.row(1) - box.row(0)).maxCoeff());
 }
 
-std::vector<mesh::Site> sites_near(const mesh::SiteFinder& finder, const Points& points) {
+std::vector<mesh::Site> sites_near(const mesh::SiteFinder& finder, const Points& points,
+                                   double reach) {
   std::vector<mesh::Site> sites;
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     const Eigen::Vector3d point = points.row(i);
@@ -31,7 +33,7 @@ std::vector<mesh::Site> sites_near(const mesh::SiteFinder& finder, const Points&
     sites.push_back(finder.nearest(point));
     const auto& nearest = sites.back().position;
     const double off = (nearest - point).norm();
-    require(off <= kOnTheBody,
+    require(off <= reach,
             fmt::format("point {} at {} is {:.4g} mm off the surface of the body; nearest is {}", i,
                         in_mm(point), 1e3 * off, in_mm(nearest)));
   }

@@ -77,7 +77,8 @@ void add_points(const study::Study& study, const study::InterpolationPlan& plan,
   std::vector<mesh::Site> sites;
   Points directions(static_cast<Eigen::Index>(plan.points.size()), 3);
   for (const auto& point : plan.points) {
-    const auto site = site_of(study, finder, point.at, "point \"" + point.name + "\"");
+    const auto site = site_of(study, finder, stage::reach_of(solution.model.body), point.at,
+                              "point \"" + point.name + "\"");
     directions.row(static_cast<Eigen::Index>(sites.size())) =
         plan.direction.value_or(site.normal).transpose();
     sites.push_back(site);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "stage/points_on_body.h"
 #include "steps/observer/deviations.h"
 #include "steps/observer/stated.h"
 #include "steps/predicted.h"
@@ -56,7 +57,8 @@ void add_points(const study::Study& study, const stage::Solution& solution,
   std::vector<mesh::Site> sites;
   Points directions(std::ssize(plan.points), 3);
   for (const auto& point : plan.points) {
-    sites.push_back(site_of(study, finder, point.at, "point \"" + point.name + "\""));
+    sites.push_back(site_of(study, finder, stage::reach_of(solution.model.body), point.at,
+                            "point \"" + point.name + "\""));
     directions.row(std::ssize(sites) - 1) = direction_of(point.direction, shapes, sites.back());
     result.places.points.push_back(point.name);
   }
@@ -114,7 +116,8 @@ void add_disturbances(const study::Study& study, const stage::Solution& solution
   for (const auto& plan : study.observer->disturbances) {
     if (plan.kind == "floor") on_floor.push_back(&plan);
     if (plan.kind == "force") {
-      sites.push_back(site_of(study, finder, plan.at, "disturbance \"" + plan.name + "\""));
+      sites.push_back(site_of(study, finder, stage::reach_of(solution.model.body), plan.at,
+                              "disturbance \"" + plan.name + "\""));
       along.push_back(direction_of(plan.direction, shapes, sites.back()));
       result.force_directions.emplace_back(along.back().transpose());
       result.places.forces.push_back(plan.name);

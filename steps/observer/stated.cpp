@@ -10,10 +10,10 @@
 
 namespace chladni::steps {
 
-mesh::Site site_of(const study::Study& study, const mesh::SiteFinder& finder,
+mesh::Site site_of(const study::Study& study, const mesh::SiteFinder& finder, double reach,
                    const study::Place& at, const std::string& what) {
   auto site = stage::site_at(finder, at);
-  require(site.distance <= stage::kOnTheBody,
+  require(site.distance <= reach,
           fmt::format("{}:{}: {} is not on the body, which is {:.3g} mm away", study.file.string(),
                       at.line, what, 1e3 * site.distance));
   return site;

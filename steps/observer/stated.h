@@ -10,9 +10,10 @@
 namespace chladni::steps {
 
 /// The place of the study on the body. @param what  "point \"exposed\"", for messages
-/// @throws InvalidInput  it lies more than 2 mm off the body
+/// @param reach  `stage::reach_of` the body
+/// @throws InvalidInput  it lies farther off the body
 [[nodiscard]] mesh::Site site_of(const study::Study& study, const mesh::SiteFinder& finder,
-                                 const study::Place& at, const std::string& what);
+                                 double reach, const study::Place& at, const std::string& what);
 
 /// @param input  of the model, at which it acts
 [[nodiscard]] modal::Disturbance disturbance_of(const study::DisturbancePlan& plan,

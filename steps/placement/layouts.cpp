@@ -4,12 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stage/points_on_body.h"
 #include "steps/placement/placing.h"
 
 namespace chladni::steps {
 namespace {
-
-constexpr double kOnePlace = 1e-3;  // [m], largest distance
 
 std::vector<std::size_t> numbers_of(const std::vector<study::Channel>& channels,
                                     const std::vector<std::string>& names) {
@@ -80,12 +79,13 @@ ScoredLayout scored_optimum(const placement::Optimum& optimum,
 }
 
 // Two of one kind in one place are only one point with less noise.
-void note_coincident(const ScoredLayout& layout, std::vector<std::string>& notes) {
+// @param near  [m]: the largest distance
+void note_coincident(const ScoredLayout& layout, double near, std::vector<std::string>& notes) {
   for (std::size_t i = 0; i < layout.markers.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const auto& a = layout.markers[j];
       const auto& b = layout.markers[i];
-      const bool same = a.kind == b.kind && (a.position - b.position).norm() < kOnePlace &&
+      const bool same = a.kind == b.kind && (a.position - b.position).norm() < near &&
                         std::abs(a.direction.dot(b.direction)) > 0.999;
       if (!same || b.name.empty()) continue;
       notes.push_back(fmt::format("layout \"{}\": {}s {} and {} are in one place and see the same",
@@ -101,11 +101,12 @@ void add_layouts(const study::Study& study, const stage::Solution& solution,
                  BestPlaces& places) {
   const placement::LayoutScorer scorer(structure, places.surface.sites, places.wanted, plan);
   std::vector<study::LayoutPlan> layouts = study.layouts;
+  const double near = stage::reach_of(solution.model.body);
   const bool has_channels = !study.sensors.empty() || !study.actuators.empty();
   if (layouts.empty() && has_channels) layouts.push_back(layout_of_all_channels(study));
   for (const auto& layout : layouts) {
     places.layouts.push_back(scored_channels(layout, scorer, study, solution.model));
-    note_coincident(places.layouts.back(), places.notes);
+    note_coincident(places.layouts.back(), near, places.notes);
   }
   for (const auto& optimum : places.optima) {
     places.layouts.push_back(scored_optimum(optimum, scorer, study, structure, solution.model));

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "stage/points_on_body.h"
 #include "steps/observer/stated.h"
 #include "steps/placement/placing.h"
 
@@ -73,7 +74,8 @@ Eigen::MatrixXd region_of(const study::Study& study, const stage::Solution& solu
   std::vector<mesh::Site> sites;
   std::vector<std::optional<Eigen::Vector3d>> along;
   for (const auto& point : points) {
-    sites.push_back(site_of(study, finder, point.at, "point \"" + point.name + "\""));
+    sites.push_back(site_of(study, finder, stage::reach_of(solution.model.body), point.at,
+                            "point \"" + point.name + "\""));
     along.push_back(point.direction);
   }
   return mean_square(shapes_along(sites, along, solution, plan),
@@ -106,7 +108,8 @@ void add_disturbance(const study::Study& study, const stage::Solution& solution,
   if (stated.kind == "floor") {
     task.fixed.push_back({floor_shape(study, solution), course});
   } else if (stated.kind == "force") {
-    const auto site = site_of(study, finder, stated.at, "disturbance \"" + stated.name + "\"");
+    const auto site = site_of(study, finder, stage::reach_of(solution.model.body), stated.at,
+                              "disturbance \"" + stated.name + "\"");
     task.fixed.push_back({shapes_along({site}, {stated.direction}, solution, plan).row(0), course});
   } else if (stated.actuators.empty()) {
     task.at_actuators.push_back(course);

@@ -9,6 +9,10 @@
 namespace chladni::steps {
 namespace {
 
+// Devices are at least so far apart.
+constexpr double kApart = 1e-4;        // [m]
+constexpr double kApartOfBody = 0.01;  // of the diagonal, on a small body
+
 std::string millimetres(const Eigen::Vector2d& at) {
   return fmt::format("({:.6g}, {:.6g}) mm", 1e3 * at.x(), 1e3 * at.y());
 }
@@ -64,7 +68,8 @@ std::vector<placement::Rule> rules_of(const mesh::TetMesh& body, const study::Pl
                      stage::edges_on(body, faces, plan.edge_distance)});
   }
   const Points present = places_that_stay(structure);
-  const double apart = std::max({plan.spacing, plan.footprint, 1e-4});
+  const double least = std::min(kApart, kApartOfBody * structure.size);
+  const double apart = std::max({plan.spacing, plan.footprint, least});
   if (present.rows() > 0) {
     rules.push_back({fmt::format("the distance of {:.6g} mm from what is there", 1e3 * apart),
                      placement::KeepFromPlaces{apart, present}});

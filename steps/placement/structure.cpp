@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "mesh/surface.h"
+#include "stage/points_on_body.h"
 #include "steps/observer/stated.h"
 #include "steps/placement/placing.h"
 
@@ -55,7 +56,8 @@ Eigen::MatrixXd shapes_of_interest(const study::Study& study, const stage::Solut
   const auto& finder = sampler.finder();
   std::vector<mesh::Site> points;
   for (const auto& place : plan.interest) {
-    points.push_back(site_of(study, finder, place, "a point of interest"));
+    points.push_back(
+        site_of(study, finder, stage::reach_of(solution.model.body), place, "a point of interest"));
   }
   return sampler.at(points).shapes;
 }

@@ -263,7 +263,7 @@ TEST(BestPlaces, APairThatStaysHasTheErrorOfItsPosition) {
   plan.position_error = 0.02;
   std::vector<std::string> notes;
   const auto wanted = wanted_modes(structure, sites, plan, notes);
-  const auto view = PairViews(structure, sites, wanted, plan).at(sites).front();
+  const auto view = PairViews(structure, sites, wanted, plan).view(sites, 0);
   ASSERT_EQ(view.present.rows(), 1);
   EXPECT_NEAR(view.present_slopes(0, 0),
               std::numbers::sqrt2 * kPi / kLength * std::cos(0.3 * kPi / kLength), 1e-12);

@@ -108,7 +108,8 @@ TEST_P(EveryCriterion, HasTheSymmetryOfTheBody) {
     places.push_back(*sampler.finder().from_above(x, y));
   }
   const auto wanted = flexible(1, 9);
-  const auto map = heat_map(*GetParam(), {view_of(plate, surface, sampler.at(places), wanted)});
+  const auto map =
+      heat_map(*GetParam(), views_of({view_of(plate, surface, sampler.at(places), wanted)}));
   const double spread = map.score.maxCoeff() / map.score.minCoeff();
   EXPECT_LT(spread, 1.02) << map.score.transpose();
 }
@@ -122,8 +123,8 @@ TEST(WeakestMode, IsTheSourcesFormulaForSimpleModes) {
   const Sampler sampler(plate.body, plate.modes, {});
   const auto surface = sampler.surface({"top"});
   const auto wanted = flexible(1, 3);
-  const auto map =
-      heat_map(criterion("weakest_mode"), {view_of(plate, surface, surface.sites, wanted)});
+  const auto map = heat_map(criterion("weakest_mode"),
+                            views_of({view_of(plate, surface, surface.sites, wanted)}));
   const Eigen::MatrixXd z = surface.sites.shapes(Eigen::all, wanted).cwiseAbs();
   const Eigen::RowVectorXd largest = z.colwise().maxCoeff();
   for (Eigen::Index i = 0; i < z.rows(); ++i) {
@@ -136,7 +137,8 @@ TEST(WeakestMode, OfTheOatIsBestOnTheRimAwayFromItsCorners) {
   const Sampler sampler(plate.body, plate.modes, {});
   const auto surface = sampler.surface({"top"});
   const Worth worth = [&](const Sites& sites) {
-    return heat_map(criterion("weakest_mode"), {view_of(plate, surface, sites, flexible(1, 3))})
+    return heat_map(criterion("weakest_mode"),
+                    views_of({view_of(plate, surface, sites, flexible(1, 3))}))
         .score;
   };
   Eigen::Index start = 0;

@@ -79,7 +79,8 @@ TEST_F(PlacementInterrupt, IsHeardByTheMaps) {
   PairView view;
   view.groups = {{0, 1}};
   view.shapes = candidate_rows().leftCols(1);
-  EXPECT_THROW(static_cast<void>(heat_map(*criteria().front(), {view}, Over::worst)), Interrupted);
+  EXPECT_THROW(static_cast<void>(heat_map(*criteria().front(), views_of({view}), Over::worst)),
+               Interrupted);
 }
 
 TEST_F(PlacementInterrupt, IsHeardByTheSurface) {

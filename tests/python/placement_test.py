@@ -59,6 +59,17 @@ class Placement(unittest.TestCase):
         self.assertEqual(chladni.layout_score(structure, sites(201), plan, [1], [])["blind_modes"],
                          [])
 
+    def test_slopes_that_are_not_known_are_not_zero(self):
+        plan = chladni.PlacementPlan()
+        plan.position_error = 1e-3
+        with self.assertRaisesRegex(chladni.InvalidInput, "0.001 m and the Sites have no slopes"):
+            chladni.best_pairs(beam(), sites(11), plan)
+        with self.assertRaisesRegex(chladni.InvalidInput, "the Sites have no slopes"):
+            chladni.layout_score(beam(sensors=channels(1.0)), sites(11), plan, [0], [])
+        x = np.linspace(0.0, LENGTH, 11)
+        known = chladni.Sites(lines(x)[0], np.full(11, 1e-3), shapes(x), np.ones((11, 6)))
+        self.assertTrue(chladni.best_pairs(beam(), known, plan))
+
     def test_what_does_not_fit_is_a_value_error(self):
         plan = chladni.PlacementPlan()
         with self.assertRaisesRegex(ValueError, "the number of modes on the surface is 6"):

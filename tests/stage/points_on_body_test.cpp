@@ -26,7 +26,7 @@ TEST(PointsOnBody, AreMovedOntoTheSurface) {
   const mesh::SiteFinder finder(body);
   Points points(2, 3);
   points << 0.05, -0.02, 0.0009, 0.15, 0.01, -0.004;
-  const auto sites = sites_near(finder, points);
+  const auto sites = sites_near(finder, points, reach_of(body));
   ASSERT_EQ(sites.size(), 2U);
   EXPECT_NEAR((sites[0].position - Eigen::Vector3d(0.05, -0.02, 0.0)).norm(), 0.0, 1e-12);
   EXPECT_NEAR((sites[1].normal - Eigen::Vector3d::UnitX()).norm(), 0.0, 1e-9);
@@ -38,10 +38,24 @@ TEST(PointsOnBody, OffTheBodyAreRefusedWithRowAndPlace) {
   Points points(2, 3);
   points << 0.0, 0.0, 0.0, 0.0, 0.0, 0.0011;
   EXPECT_TRUE(
-      refused([&] { return sites_near(finder, points); },
+      refused([&] { return sites_near(finder, points, reach_of(body)); },
               "point 1 at (0, 0, 1.1) mm is 1.1 mm off the surface of the body; nearest is"));
   points(0, 1) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(refused([&] { return sites_near(finder, points); }, "point 0 is not finite"));
+  EXPECT_TRUE(
+      refused([&] { return sites_near(finder, points, reach_of(body)); }, "point 0 is not finite"));
+}
+
+// A millimetre is far from a body of three.
+TEST(PointsOnBody, OfASmallBodyAreNearIt) {
+  auto body = plate();
+  body.points *= 0.01;
+  const mesh::SiteFinder finder(body);
+  Points points(1, 3);
+  points << 0.0, 0.0, 2e-5;
+  EXPECT_EQ(sites_near(finder, points, reach_of(body)).size(), 1U);
+  points(0, 2) = 5e-4;
+  EXPECT_TRUE(refused([&] { return sites_near(finder, points, reach_of(body)); },
+                      "point 0 at (0, 0, 0.5) mm is 0.5 mm off the surface of the body"));
 }
 
 TEST(PointsOnBody, HaveTheirNormalsOrGivenDirections) {
@@ -49,7 +63,7 @@ TEST(PointsOnBody, HaveTheirNormalsOrGivenDirections) {
   const mesh::SiteFinder finder(body);
   Points points(2, 3);
   points << 0.0, 0.0, 0.0, 0.1, 0.0, -0.01;
-  const auto sites = sites_near(finder, points);
+  const auto sites = sites_near(finder, points, reach_of(body));
   const Points normals = directions_at(sites, std::nullopt);
   EXPECT_NEAR(normals(0, 2), 1.0, 1e-12);
   EXPECT_NEAR(normals(1, 2), -1.0, 1e-12);
