@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "base/long_step.h"
 
 namespace chladni {
 namespace {
@@ -19,6 +20,10 @@ static_assert(std::atomic<int>::is_always_lock_free);
 std::atomic<bool> has_terminal = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
 
+constexpr unsigned kPatience = 3;  // s: how long a signal waits for the end of a long step
+std::atomic<int> long_steps = 0;
+std::atomic<bool> has_alarm = false;  // whether SIGALRM comes to `end`
+
 // For the one who pressed Ctrl-C and sees nothing happen: a long step may still be at work.
 void say_what_a_second_does() {
   constexpr std::string_view line =
@@ -28,13 +33,22 @@ void say_what_a_second_does() {
   errno = before;
 }
 
-void note(int signal) {
-  if (noted_signal.exchange(signal) == 0) {
-    if (signal == SIGINT && has_terminal) say_what_a_second_does();
-    return;
-  }
-  std::signal(signal, SIG_DFL);  // the second signal: raised again, it ends the process
+// Raised again, the signal ends the process, as its kind does by default.
+void end_by(int signal) {
+  std::signal(signal, SIG_DFL);
   std::raise(signal);
+}
+
+void note(int signal) {
+  if (noted_signal.exchange(signal) != 0) return end_by(signal);
+  if (signal == SIGINT && has_terminal) say_what_a_second_does();
+  if (long_steps > 0) alarm(kPatience);
+}
+
+// Nothing has answered a signal.
+void end(int /*alarm*/) {
+  const int signal = noted_signal;
+  if (signal != 0 && long_steps > 0) end_by(signal);
 }
 
 void note_only(int signal) { noted_signal = signal; }
@@ -57,6 +71,18 @@ void catch_interrupts() {
   struct sigaction before = {};
   sigaction(SIGHUP, nullptr, &before);
   if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
+  const struct sigaction at_alarm = action_of(end);
+  sigaction(SIGALRM, &at_alarm, nullptr);
+  has_alarm = true;
+}
+
+LongStep::LongStep() {
+  ++long_steps;
+  if (has_alarm && noted_signal != 0) alarm(kPatience);
+}
+
+LongStep::~LongStep() {
+  if (--long_steps == 0 && has_alarm) alarm(0);
 }
 
 NotedInterrupts::NotedInterrupts() {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/long_step.h"
 
 namespace chladni::fem {
 namespace {
@@ -72,6 +73,7 @@ Numbers metis_order(const QuotientGraph& graph) {
   // tenth of the fill and a seventh of the work. (At 1000 one half may be empty, and METIS does not
   // end.)
   options[METIS_OPTION_UFACTOR] = 500;
+  const LongStep step;
   const int status = METIS_NodeND(&count, start.data(), neighbour.data(), weight.data(), options,
                                   order.data(), position.data());
   if (status != METIS_OK) {

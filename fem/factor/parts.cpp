@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/index.h"
 #include "base/interrupt.h"
+#include "base/long_step.h"
 #include "dense/blas.h"
 #include "fem/factor/cholmod.h"
 #include "fem/factor/fronts.h"
@@ -177,7 +178,11 @@ bool factorise_top(const Tree& tree, const Permuted& matrix, std::vector<Storage
   sum.add(matrix, parts);
   for (std::size_t k = 0; k < tree.subtrees.size(); ++k) parts[k].shrink(tree.parts[k].panels);
   parts.back() = Storage(part.panels, true);
-  const bool definite = factorise(shape_of(tree, part, local), sum.seen(), parts.back().data());
+  const auto factorised = [&] {
+    const LongStep step;
+    return factorise(shape_of(tree, part, local), sum.seen(), parts.back().data());
+  };
+  const bool definite = factorised();
   throw_if_interrupted();
   return definite;
 }

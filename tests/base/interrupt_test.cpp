@@ -7,12 +7,14 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <string>
 #include <type_traits>
 
 #include "base/error.h"
+#include "base/long_step.h"
 
 namespace chladni {
 namespace {
@@ -131,6 +133,40 @@ TEST(Interrupt, SaysOnATerminalWhatASecondCtrlCDoes) {
   EXPECT_EQ(said_at(SIGINT, pipe[1], pipe[0]), "") << "a file is no person";
   for (const int file : {terminal, inside, pipe[0], pipe[1]}) close(file);
   catch_interrupts();
+}
+
+// Seconds after which a process that sleeps in a long step ends by Ctrl-C.
+void sleep_in_a_long_step() {
+  catch_interrupts();
+  const LongStep step;
+  std::raise(SIGINT);
+  for (int i = 0; i < 200; ++i) usleep(100'000);
+  std::exit(0);  // NOLINT(concurrency-mt-unsafe)
+}
+
+TEST(InterruptDeathTest, ThatALongStepDoesNotAnswerEndsTheProcess) {
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EXIT(sleep_in_a_long_step(), testing::KilledBySignal(SIGINT), "");
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(15));
+}
+
+// What is answered in time ends in order, however long the rest takes.
+void tidy_up_after_a_long_step() {
+  catch_interrupts();
+  try {
+    {
+      const LongStep step;
+      std::raise(SIGINT);
+    }
+    throw_if_interrupted();
+  } catch (const Interrupted&) {
+    for (int i = 0; i < 45; ++i) usleep(100'000);
+    std::exit(7);  // NOLINT(concurrency-mt-unsafe)
+  }
+}
+
+TEST(InterruptDeathTest, ThatIsAnsweredAfterALongStepLetsTheRestBeDone) {
+  EXPECT_EXIT(tidy_up_after_a_long_step(), testing::ExitedWithCode(7), "");
 }
 
 }  // namespace
