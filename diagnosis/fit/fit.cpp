@@ -270,4 +270,12 @@ Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits) {
   return here.fit;
 }
 
+std::optional<Fit> possible_fit(const Problem& problem, const Fit& start, const FitLimits& limits) {
+  try {
+    return fitted(problem, start, limits);
+  } catch (const NumericalFailure&) {
+    return std::nullopt;
+  }
+}
+
 }  // namespace chladni::diagnosis

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "diagnosis/constants.h"
@@ -79,6 +80,10 @@ struct FitLimits {
 /// promise belong to the end point. If the last step lowered the objective by less than
 /// Constants::small_fall, they are taken at the point before this step. Cost: per iteration one
 /// solve of all lines, a slope per coordinate, N (coordinates)².
+/// @throws NumericalFailure  the start is impossible, or nothing determines the fit
 [[nodiscard]] Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits = {});
+/// The same; none where it fails.
+[[nodiscard]] std::optional<Fit> possible_fit(const Problem& problem, const Fit& start,
+                                              const FitLimits& limits = {});
 
 }  // namespace chladni::diagnosis

@@ -3,6 +3,7 @@
 #include <functional>
 #include <mutex>
 
+#include "base/error.h"
 #include "base/index.h"
 #include "dense/blas.h"
 #include "diagnosis/attached/loaded_damping.h"
@@ -76,11 +77,19 @@ class WeightedSlopes {
                  const Solved& now)
       : problem_(problem), causes_(causes), now_(now), about_(problem, causes, eta) {}
 
+  // Beside an impossible state the step is shorter, until it does not reach that state.
   [[nodiscard]] VectorXd of_cause(const Column& column) const {
-    const double h = column.parameter.step;
+    constexpr int kSteps = 9;
     const auto [minus, plus] = sides_on_surface(problem_.structure, causes_[column.cause], column);
-    return sloping(about_.with_coordinate(column, -minus * h),
-                   about_.with_coordinate(column, plus * h), (minus + plus) * h);
+    double h = column.parameter.step;
+    for (int step = 1;; ++step, h *= 0.25) {
+      try {
+        return sloping(about_.with_coordinate(column, -minus * h),
+                       about_.with_coordinate(column, plus * h), (minus + plus) * h);
+      } catch (const NumericalFailure&) {
+        if (step == kSteps) throw;
+      }
+    }
   }
 
   [[nodiscard]] VectorXd of_deviation(Index i) const {

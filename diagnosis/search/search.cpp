@@ -88,15 +88,11 @@ std::optional<Fit> fitted_from(const Level& level, const Candidate& candidate, b
   Fit start = *candidate.base;
   if (nominal) start.eta.setZero();
   start.causes.push_back(candidate.cause);
-  try {
-    FitLimits quick;
-    quick.iterations = level.limits.fit_iterations;
-    quick.tolerance = kConstants.quick_tolerance;
-    quick.bar = bar;
-    return fitted(level.problem, start, quick);
-  } catch (const NumericalFailure&) {
-    return std::nullopt;
-  }
+  FitLimits quick;
+  quick.iterations = level.limits.fit_iterations;
+  quick.tolerance = kConstants.quick_tolerance;
+  quick.bar = bar;
+  return possible_fit(level.problem, start, quick);
 }
 
 // Fits first from the tolerances with which the candidate was found. If the evidence falls below
@@ -314,7 +310,8 @@ std::vector<Fit> with_free_gains(const Level& level) {
         })) {
       continue;
     }
-    best.push_back(fitted(level.problem, with_deviations(fit, tolerable.size())));
+    auto again = possible_fit(level.problem, with_deviations(fit, tolerable.size()));
+    if (again) best.push_back(*std::move(again));
   }
   return best;
 }

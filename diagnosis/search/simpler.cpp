@@ -81,7 +81,7 @@ Fit without(const Problem& problem, const Fit& fit, std::size_t which, const Fit
   if (!fit.less.empty()) return fit.less[which];
   Fit start = fit;
   start.causes.erase(start.causes.begin() + static_cast<std::ptrdiff_t>(which));
-  return start.causes.empty() ? nothing : fitted(problem, start);
+  return start.causes.empty() ? nothing : possible_fit(problem, start).value_or(nothing);
 }
 
 bool is_sure(const Problem& problem, const SearchLimits& limits, const Fit& nothing,
@@ -130,9 +130,10 @@ Fit add_simpler(const Problem& problem, Found& found, double equal) {
       start.causes[c] = std::move(simpler);
       FitLimits limits;
       limits.bar = general.objective + kConstants.occam_margin + 2.0 * left;
-      Fit fit = fitted(problem, start, limits);
-      if (general.log_evidence - fit.log_evidence < std::max(equal, left)) best = fit;
-      keep(found.fits, std::move(fit), 1);
+      auto fit = possible_fit(problem, start, limits);
+      if (!fit) continue;
+      if (general.log_evidence - fit->log_evidence < std::max(equal, left)) best = *fit;
+      keep(found.fits, *std::move(fit), 1);
     }
   }
   return best;

@@ -42,12 +42,9 @@ Trained trained(const Problem& problem, const std::vector<DataPart>& parts, Fit 
   for (const auto& part : parts) {
     throw_if_interrupted();
     const Observed data = without(problem.observed, part);
-    try {
-      result.rest.emplace_back(quickly_fitted(
-          {problem.structure, data, problem.deviations, problem.solver_error}, result.whole));
-    } catch (const NumericalFailure&) {
-      result.rest.emplace_back(std::nullopt);
-    }
+    result.rest.push_back(
+        possible_fit({problem.structure, data, problem.deviations, problem.solver_error},
+                     result.whole, {.iterations = kConstants.quick_iterations}));
   }
   return result;
 }
@@ -103,44 +100,46 @@ struct PartPoint {
   VectorXd error, eta;
 };
 
-PartPoint part_point(const Problem& problem, const Causes& causes, const PartSlopes& part,
-                     const VectorXd& eta) {
-  const State state = state_of(problem, causes, eta);
-  const VectorXd all = residual(problem.observed, responses(state, problem.observed.omega));
-  PartPoint point{0.0, all(part.rows), eta};
-  point.misfit = 0.5 * point.error.squaredNorm() + 0.5 * eta.squaredNorm();
-  return point;
-}
-
-// The same after a step by the slopes; none if the step leads to an impossible state.
-std::optional<PartPoint> stepped(const Problem& problem, const Causes& causes,
-                                 const PartSlopes& part, const PartPoint& from, double lambda) {
-  Quadratic quadratic{from.eta - part.slope.transpose() * from.error,
-                      part.gram.selfadjointView<Eigen::Lower>()};
-  quadratic.curvature.diagonal().array() += 1.0;
+// None where the state is impossible.
+std::optional<PartPoint> part_point(const Problem& problem, const Causes& causes,
+                                    const PartSlopes& part, const VectorXd& eta) {
   try {
-    return part_point(problem, causes, part, from.eta + quadratic.step(lambda));
+    const State state = state_of(problem, causes, eta);
+    const VectorXd all = residual(problem.observed, responses(state, problem.observed.omega));
+    PartPoint point{0.0, all(part.rows), eta};
+    point.misfit = 0.5 * point.error.squaredNorm() + 0.5 * eta.squaredNorm();
+    return point;
   } catch (const NumericalFailure&) {
     return std::nullopt;
   }
 }
 
-// Least ½(χ² + ηᵀη) of a part with these causes, by steps from eta that lower it.
+// The deviations after a step by the slopes.
+VectorXd stepped(const PartSlopes& part, const PartPoint& from, double lambda) {
+  Quadratic quadratic{from.eta - part.slope.transpose() * from.error,
+                      part.gram.selfadjointView<Eigen::Lower>()};
+  quadratic.curvature.diagonal().array() += 1.0;
+  return from.eta + quadratic.step(lambda);
+}
+
+// Least ½(χ² + ηᵀη) of a part with these causes, by steps from eta that lower it; infinite where
+// they are impossible beside eta.
 double least_misfit(const Problem& problem, const Causes& causes, const PartSlopes& part,
                     const VectorXd& eta) {
   auto best = part_point(problem, causes, part, eta);
+  if (!best) return HUGE_VAL;
   double lambda = 0.0;
   for (int step = 0; step < kConstants.part_steps; ++step) {
-    auto next = stepped(problem, causes, part, best, lambda);
-    if (!next || !(next->misfit < best.misfit)) {
+    auto next = part_point(problem, causes, part, stepped(part, *best, lambda));
+    if (!next || !(next->misfit < best->misfit)) {
       lambda = std::max(0.1, 10.0 * lambda);
       continue;
     }
-    const double fall = best.misfit - next->misfit;
-    best = *std::move(next);
+    const double fall = best->misfit - next->misfit;
+    best = std::move(next);
     if (fall < kConstants.nothing_more) break;
   }
-  return best.misfit;
+  return best->misfit;
 }
 
 // ½(χ² + ηᵀη) of each part with its own causes, where the deviations suit it best. They go with the
@@ -177,6 +176,16 @@ VectorXd constants_alone(const Problem& problem, const VectorXd& eta) {
   return alone;
 }
 
+// The same with causes and constants of a fit; none where they are impossible.
+std::optional<double> error_with(const Problem& problem, const Observed& data, const Causes& causes,
+                                 const Fit& fit) {
+  try {
+    return squared_error(state_of(problem, causes, constants_alone(problem, fit.eta)), data);
+  } catch (const NumericalFailure&) {
+    return std::nullopt;
+  }
+}
+
 // Errors of the study as it is, and with causes and constants of a fit that did not see the data;
 // none: it failed.
 PredictionErrors errors_of(const Problem& problem, const Observed& data,
@@ -185,10 +194,7 @@ PredictionErrors errors_of(const Problem& problem, const Observed& data,
   PredictionErrors errors;
   errors.before = squared_error(state_of(problem.structure), data);
   errors.after = errors.before;
-  if (fit) {
-    errors.after =
-        squared_error(state_of(problem, causes, constants_alone(problem, fit->eta)), data);
-  }
+  if (fit) errors.after = error_with(problem, data, causes, *fit).value_or(errors.before);
   errors.size = (weight2 > 0.0).select(data.value.cwiseAbs2().array(), 0.0).sum();
   errors.noise = (weight2 > 0.0).select(2.0 / weight2.max(1e-300), 0.0).sum();
   return errors;
@@ -213,6 +219,11 @@ std::vector<Causes> judging(const Trained& fits, const std::vector<std::vector<b
     causes.push_back(kept(fits.rest[f], used[f], without, fits.whole.causes));
   }
   return causes;
+}
+
+// A part at which one of the two is impossible says nothing of them.
+double gained(double before, double after) {
+  return std::isfinite(before) && std::isfinite(after) ? before - after : 0.0;
 }
 
 std::vector<Trained> trained_without_each(const Problem& problem,
@@ -288,9 +299,9 @@ CrossValidation cross_validated(const Problem& problem, const Observed& all, con
     // A part without a cause says nothing of it: the fits that never had the cause stretch the
     // deviations of its channel for it, the others do not.
     const bool whole = std::ranges::find(used[f], false) == used[f].end();
-    part.gain = whole ? before[f] - after[f] : 0.0;
+    part.gain = whole ? gained(before[f], after[f]) : 0.0;
     for (std::size_t c = 0; c < beside.size(); ++c) {
-      part.gain_of_cause.push_back(used[f][c] ? beside[c][f] - after[f] : 0.0);
+      part.gain_of_cause.push_back(used[f][c] ? gained(beside[c][f], after[f]) : 0.0);
     }
     part.errors = errors_of(problem, only(all, parts[f]), causes[f], with.rest[f]);
   }

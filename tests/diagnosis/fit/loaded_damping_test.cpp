@@ -12,6 +12,7 @@
 #include "diagnosis/fit/deviations.h"
 #include "diagnosis/fit/fit.h"
 #include "diagnosis/fit/sensitivities.h"
+#include "diagnosis/search/simpler.h"
 #include "diagnosis/small_plate.h"
 #include "rotation/turn.h"
 #include "simulators/tables/loaded_table.h"
@@ -98,6 +99,56 @@ TEST(LoadedDamping, DeviatesByLoadedModes) {
   };
   const VectorXd times = losses(uneven).cwiseQuotient(losses(even).cwiseMax(1e-12));
   EXPECT_NEAR(times.maxCoeff(), std::exp(0.4), 1e-6);
+}
+
+// A step of a coordinate would leave no positive mass there: the slopes are those of shorter steps.
+TEST(LoadedDamping, HasSlopesBesideABodyThatIsImpossible) {
+  const auto& plate = small_plate();
+  const Observed observed = observed_in(state_of(plate), 1.0);
+  Tolerances tolerances = no_tolerances();
+  tolerances.loaded_damping = 1.0;
+  const auto tolerable = deviations(plate, tolerances, 500.0);
+  const Problem problem{plate, observed, tolerable};
+  const VectorXd eta = VectorXd::Ones(std::ssize(tolerable));
+  const auto taken = [](double mass) {
+    return std::vector<Supposed>{{&effect("point_mass"), 0, Eigen::Vector3d(mass, 0.28, 0.28)}};
+  };
+  double possible = -0.1;
+  double impossible = -0.3;
+  const double step = columns_of(plate, taken(0.1)).front().parameter.step;
+  while (possible - impossible > 0.05 * step) {
+    const double middle = 0.5 * (possible + impossible);
+    try {
+      static_cast<void>(loaded_damping(plate, taken(middle)));
+      possible = middle;
+    } catch (const NumericalFailure&) {
+      impossible = middle;
+    }
+  }
+  const auto causes = taken(possible + 0.2 * step);
+  const State state = state_of(problem, causes, eta);
+  const Solved now = solved(state, Body(state, observed.omega));
+  const MatrixXd slopes = sensitivities(problem, causes, eta, now);
+  EXPECT_TRUE(slopes.allFinite());
+  for (const auto& column : slopes.leftCols(3).colwise()) EXPECT_GT(column.norm(), 0.0);
+}
+
+// What is taken away is possible beside what is added, and alone it is not.
+TEST(LoadedDamping, OfACauseThatNeedsAnotherIsComparedWithNothing) {
+  const auto& plate = small_plate();
+  const Observed observed = observed_in(state_of(plate), 1.0);
+  Tolerances tolerances = no_tolerances();
+  tolerances.loaded_damping = 1.0;
+  const auto tolerable = deviations(plate, tolerances, 500.0);
+  const Problem problem{plate, observed, tolerable};
+  Fit nothing;
+  nothing.eta = VectorXd::Ones(std::ssize(tolerable));
+  nothing.log_evidence = -7.0;
+  Fit both = nothing;
+  both.causes = {{&effect("point_mass"), 0, Eigen::Vector3d(0.5, 0.28, 0.28)},
+                 {&effect("point_mass"), 0, Eigen::Vector3d(-0.45, 0.28, 0.28)}};
+  EXPECT_EQ(without(problem, both, 0, nothing).log_evidence, -7.0);
+  EXPECT_EQ(without(problem, both, 1, nothing).causes.size(), 1U);
 }
 
 // The slopes by every coordinate and deviation, where the ratios are partly those of the loaded
