@@ -30,6 +30,8 @@ struct ChannelSide {
   Eigen::MatrixXd aside_u, aside_v;
   Eigen::MatrixX2d places;  ///< c×2, on the chart [m]
   Eigen::MatrixXd upper;    ///< c×u, or c×0: as PointMotion::upper
+  /// c×3, of norm 1, along u, v and the normal of the chart; 0×3: all along the normal.
+  Eigen::MatrixX3d directions = Eigen::MatrixX3d(0, 3);
 
   [[nodiscard]] Eigen::Index count() const { return shapes.rows(); }
 };

@@ -28,6 +28,7 @@ void check_side(const ChannelSide& side, Eigen::Index modes, const std::string& 
   fits(side.aside_u, n, modes, "motion along u at the " + what);
   fits(side.aside_v, n, modes, "motion along v at the " + what);
   fits(side.places, n, 2, "places of the " + what);
+  if (side.directions.rows() > 0) fits(side.directions, n, 3, "directions of the " + what);
   require(side.upper.size() == 0 || side.upper.rows() == n,
           "modes above the band at the " + what + ": one row each is expected");
 }
@@ -81,6 +82,7 @@ ChannelSide part_of(const ChannelSide& side, const std::vector<Eigen::Index>& ro
   part.aside_u = take(side.aside_u);
   part.aside_v = take(side.aside_v);
   part.places = side.places(rows, Eigen::all);
+  if (side.directions.rows() > 0) part.directions = side.directions(rows, Eigen::all);
   if (side.upper.cols() > 0) part.upper = side.upper(rows, Eigen::all);
   return part;
 }

@@ -81,11 +81,13 @@ diagnosis::ChannelSide side_of(const std::vector<study::Channel>& channels,
   side.slope_u.resizeLike(side.shapes);
   side.slope_v.resizeLike(side.shapes);
   side.places.resize(side.shapes.rows(), 2);
+  side.directions.resize(side.shapes.rows(), 3);
   const double step = kStep * chart.size.minCoeff();
   for (Eigen::Index i = 0; i < side.shapes.rows(); ++i) {
     const auto& site = sites[static_cast<std::size_t>(i)];
     const auto& direction = channels[static_cast<std::size_t>(i)].direction;
     side.places.row(i) = chart.place(site.position);
+    side.directions.row(i) = direction.transpose() * chart.axes;
     side.slope_u.row(i) = slope_at(finder, site, direction, chart.axes.col(0), step, modes);
     side.slope_v.row(i) = slope_at(finder, site, direction, chart.axes.col(1), step, modes);
     if ((chart.axes.leftCols<2>().transpose() * direction).norm() > kAside) {

@@ -142,6 +142,8 @@ TEST(DiagnosisStructure, ChannelsAsideMoveAlongTheChart) {
   const auto other = stage::structure_of(turned, plate().solution);
   EXPECT_EQ(other.outputs.shapes.row(1), structure().outputs.aside_u.row(1));
   EXPECT_EQ(other.outputs.aside_v.row(0), structure().outputs.aside_v.row(0));
+  EXPECT_EQ(other.outputs.directions.row(1), Eigen::RowVector3d::UnitX());
+  EXPECT_EQ(other.outputs.directions.row(0), Eigen::RowVector3d::UnitZ());
 }
 
 // A turn of what lies along x towards x would be a gain.

@@ -18,21 +18,32 @@ namespace {
 
 constexpr int kNoClass = -1;
 
+// c×3, along u, v and the normal.
+Eigen::MatrixX3d directions_of(const ChannelSide& side) {
+  return side.directions.rows() > 0
+             ? side.directions
+             : Eigen::MatrixX3d(Eigen::RowVector3d::UnitZ().replicate(side.count(), 1));
+}
+
 }  // namespace
 
 MatrixXd smooth_factor(const Structure& structure) {
-  const auto& out = structure.outputs.places;
-  const auto& in = structure.inputs.places;
-  Eigen::MatrixX2d places(out.rows() + in.rows(), 2);
-  places << out, in;
+  const auto& out = structure.outputs;
+  const auto& in = structure.inputs;
+  Eigen::MatrixX2d places(out.count() + in.count(), 2);
+  places << out.places, in.places;
+  Eigen::MatrixX3d directions(places.rows(), 3);
+  directions << directions_of(out), directions_of(in);
   const double length = kConstants.smooth_over * std::max(structure.surface.size(), 1e-9);
   MatrixXd covariance(places.rows(), places.rows());
   for (Index i = 0; i < places.rows(); ++i) {
     for (Index j = 0; j < places.rows(); ++j) {
       const double apart = std::sqrt(3.0) * (places.row(i) - places.row(j)).norm() / length;
-      covariance(i, j) = (1.0 + apart) * std::exp(-apart) + (i == j ? 1e-6 : 0.0);
+      covariance(i, j) =
+          directions.row(i).dot(directions.row(j)) * (1.0 + apart) * std::exp(-apart);
     }
   }
+  covariance.diagonal().array() += 1e-6;
   return covariance.llt().matrixL();
 }
 

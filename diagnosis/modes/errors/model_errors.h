@@ -10,7 +10,9 @@
 namespace chladni::diagnosis {
 
 /// Factor L of the correlation LLᵀ of a smooth shape error between all channels, sensors first:
-/// Matérn's with exponent 3/2, over a fifth of the body. (p + q)².
+/// Matérn's with exponent 3/2, over a fifth of the body, of each component of a displacement
+/// alike: a channel against another one has the opposite error, one across it an independent one.
+/// (p + q)².
 [[nodiscard]] Eigen::MatrixXd smooth_factor(const Structure& structure);
 
 /// A change of stiffness and mass of the body, r×r or empty where there is none, for an error of 1
