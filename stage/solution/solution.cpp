@@ -31,9 +31,17 @@ int wanted_count(const study::Study& study) {
 
 /// Reports modes that the study names but that will not be computed.
 void require_modes(const study::Study& study) {
-  if (study.modes.up_to_hz > 0.0) return;
-  const int there = wanted_count(study);
   study::Problems problems(study.file.string());
+  const double up_to = study.modes.up_to_hz;
+  if (const auto& plan = study.placement; up_to > 0.0 && plan && plan->up_to_hz > up_to) {
+    problems.add(plan->modes_line, plan->modes_column,
+                 fmt::format("placement asks for modes up to {:.6g} Hz, but those up to {:.6g} Hz "
+                             "will be computed; raise modes.up_to",
+                             plan->up_to_hz, up_to));
+  }
+  problems.throw_if_any();
+  if (up_to > 0.0) return;
+  const int there = wanted_count(study);
   const auto look = [&](const char* key, int highest, int line, int column) {
     if (highest <= there) return;
     problems.add(line, column,

@@ -47,6 +47,16 @@ std::string fault_at(const study::Study& study, const study::DataFile& file) {
                      file.path.string(), measured ? study::source_text(*study.measurement) : "");
 }
 
+// Flexible modes of the truth that are asked for and that it will not compute; empty: none.
+std::string modes_beyond(const study::Study& study, const study::Study& truth) {
+  const int wanted = study.measurement ? study.measurement->modes : 0;
+  if (truth.modes.up_to_hz > 0.0 || wanted <= truth.modes.count) return "";
+  return fmt::format(
+      "measurement.modes asks for {} modes, but {} will be computed of {}; raise "
+      "modes.count there",
+      wanted, truth.modes.count, truth.file.filename().string());
+}
+
 // A truth stands by its modes alone, a specimen by its measurement too.
 // @throws InvalidInput  the study that `file` names cannot be meant, names patches that its body
 //                       lacks, or files that are not there
@@ -65,6 +75,10 @@ void require_named_study(const study::Study& study, const study::DataFile& file,
     if (!fault.empty()) problems.add(one.line, one.column, fault);
   }
   problems.throw_if_any();
+  if (file.key.ends_with("measurement.truth")) {
+    const auto beyond = modes_beyond(study, named);
+    require(beyond.empty(), beyond);
+  }
 }
 
 // Reports named files that do not exist, and studies that cannot be meant. For a file that
@@ -94,11 +108,12 @@ void look_for_files(const study::Study& study, stage::Work& work) {
 // Points at which motions are asked for must be on the body.
 void require_points(const study::Study& study, const mesh::TetMesh& body) {
   std::optional<mesh::SiteFinder> finder;
+  const double reach = stage::reach_of(body);
   study::Problems problems(study.file.string());
   const auto look = [&](const study::Place& at, const std::string& what) {
     if (!finder) finder.emplace(body);
     const auto site = stage::site_at(*finder, at);
-    if (site.distance <= stage::kOnTheBody) return;
+    if (site.distance <= reach) return;
     problems.add(
         at.line, 1,
         fmt::format("{} is not on the body, which is {:.3g} mm away", what, 1e3 * site.distance));

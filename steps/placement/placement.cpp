@@ -65,6 +65,18 @@ void note_directions(const study::Study& study, const stage::Model& model,
                   along, io::listed(names), names.size() == 1 ? "points" : "point"));
 }
 
+// Modes that placement.up_to asks for and that were not computed.
+void note_modes_above(const study::Study& study, const modal::Modes& modes,
+                      const study::PlacementPlan& plan, std::vector<std::string>& notes) {
+  if (plan.up_to_hz <= 0.0 || study.modes.up_to_hz > 0.0) return;
+  const double last = modes.frequency_hz(modes.mode_count() - 1);
+  if (last >= plan.up_to_hz) return;
+  notes.push_back(
+      fmt::format("placement.up_to is {:.6g} Hz, but the last mode that was computed lies at "
+                  "{:.6g} Hz: those above it are not looked at; modes.up_to computes them",
+                  plan.up_to_hz, last));
+}
+
 }  // namespace
 
 BestPlaces best_places(const study::Study& study, const stage::Solution& solution,
@@ -84,6 +96,7 @@ BestPlaces best_places(const study::Study& study, const stage::Solution& solutio
     return 0;
   });
   note_directions(study, solution.model, places.surface.sites, own.direction, places.notes);
+  note_modes_above(study, solution.modes, own, places.notes);
   const auto structure = structure_of(study, solution, own, work.seed());
   auto plan = room_plan(own, structure);
   const auto& surface = places.surface.sites;

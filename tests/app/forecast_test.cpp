@@ -141,6 +141,14 @@ TEST_F(Before, CheckFindsModesThatWillNotBeThere) {
   EXPECT_TRUE(says(refusal(kSmall + "modes = { count = 4 }\n[priors]\nmodes = 5\n"),
                    "study.toml:6:9: priors.modes asks for flexible mode 5, but 4 will be"));
   EXPECT_EQ(refusal(kSmall + "modes = { count = 4 }\n[placement]\nmodes = 4\n"), "");
+  const std::string below = kSmall + "modes = { up_to = \"5 kHz\" }\n[placement]\n";
+  for (const auto* asked : {"up_to = \"6 kHz\"\n", "modes = { up_to = \"6 kHz\" }\n"}) {
+    EXPECT_TRUE(
+        says(refusal(below + asked),
+             "study.toml:6:9: placement asks for modes up to 6000 Hz, but those up to 5000"))
+        << asked;
+  }
+  EXPECT_EQ(refusal(below + "up_to = \"5 kHz\"\n"), "");
 }
 
 TEST_F(Before, CheckFindsDataThatAreNotThere) {
@@ -165,6 +173,11 @@ TEST_F(Before, CheckLooksIntoTheStudiesThatAreNamed) {
   };
   const std::string place = "study.toml:9:9: measurement.truth: ";
   EXPECT_EQ(named(kSmall), "");
+  std::ofstream(folder_.path() / "real.toml") << kSmall + "modes = { count = 4 }\n";
+  const auto of_truth = kSmall + channel + "[measurement]\ntruth = \"real.toml\"\nmodes = ";
+  EXPECT_TRUE(says(refusal(of_truth + "99\n"),
+                   place + "measurement.modes asks for 99 modes, but 4 will be computed of real"));
+  EXPECT_EQ(refusal(of_truth + "4\n"), "");
   EXPECT_TRUE(says(named("geometry = { file = \"none.stl\", unit = \"mm\" }" + kAluminium), place));
   EXPECT_TRUE(says(named(kSmall + "[[support]]\npatch = \"nix\"\nfixed = \"z\"\n"),
                    "support.patch: the body has no patch \"nix\""));

@@ -1,4 +1,5 @@
 // chladni place: what it finds on bodies with known answers, what it leaves, what it refuses.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -147,6 +148,10 @@ TEST_F(Place, APairOfModesIsLookedAtWhole) {
   EXPECT_TRUE(says(placed.notes[0], "together with it"));
 }
 
+TEST_F(Place, SaysThatModesAreAboveThoseComputed) {
+  EXPECT_TRUE(says(placed_with("up_to = \"9 kHz\"").notes.at(0), "above it are not looked at"));
+}
+
 TEST_F(Place, AGridGivesItsPlacesAndAProvenOptimum) {
   const auto placed = placed_with(
       "modes = 5\ngrid = { pitch = \"60 mm\", columns = 9, rows = 9 }\n"
@@ -236,14 +241,9 @@ TEST_F(Place, SaysThatChannelsPointElsewhere) {
     stage::Work work;
     return steps::best_places(study, stage::solved(study, work), work).notes;
   };
-  const auto told = [](const std::vector<std::string>& notes) {
-    std::string all;
-    for (const auto& note : notes) all += note + "\n";
-    return all;
-  };
+  const auto told = [](const auto& notes) { return fmt::format("{}", fmt::join(notes, "\n")); };
   const auto open = told(notes_of(""));
-  EXPECT_TRUE(says(open, "the surface's normal, and \"side\" of the study points elsewhere"))
-      << open;
+  EXPECT_TRUE(says(open, "the surface's normal, and \"side\" of the study points elsewhere"));
   EXPECT_TRUE(says(open, "placement.direction"));
   EXPECT_FALSE(says(told(notes_of("direction = \"z\"\n")), "elsewhere"));
 }
