@@ -28,7 +28,11 @@ struct MeasuredFrfs {
   double added_decay =
       0.0;  ///< [rad/s] by an exponential window: in the responses, not in the model
   identification::Folds folds;  ///< of periodic recordings, where they were wanted
+  bool variance_stated = true;  ///< false: `all` has one that was estimated from its scatter
 };
+
+/// The model error ε that a fit assumes where no variance is stated.
+inline constexpr double kAssumedModelError = 0.01;
 
 /// True if `[measurement]` names a file of responses or recordings.
 [[nodiscard]] bool has_responses(const study::MeasurementPlan& plan);

@@ -42,7 +42,7 @@ Index derivatives(const study::Study& study, const std::string& sensor) {
 
 std::optional<identification::ModalFit> compare(const study::Study& study, Compared& one,
                                                 stage::Work& work) {
-  auto fit = modes_of(one.seen, study, work);
+  auto fit = modes_of(one.seen, one.measured.variance_stated, study, work);
   one.comparison = diagnosis::compared(one.structure, one.seen, fit ? &*fit : nullptr);
   return fit;
 }

@@ -22,6 +22,7 @@ namespace {
 
 using Eigen::Index;
 
+constexpr Index kFarModes = 3;  // of a suspension and a frame
 constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 // True if some variance is above 0: zeros are none.
@@ -94,8 +95,10 @@ void complete_variances(modal::FrfSet& set, stage::Work& work) {
 }
 
 // Estimates variances that the file does not state from the scatter of the lines.
-void state_variance(modal::FrfSet& set, stage::Work& work) {
-  if (states_variances(set)) {
+void state_variance(MeasuredFrfs& measured, stage::Work& work) {
+  auto& set = measured.all;
+  measured.variance_stated = states_variances(set);
+  if (measured.variance_stated) {
     complete_variances(set, work);
     return;
   }
@@ -107,13 +110,15 @@ void state_variance(modal::FrfSet& set, stage::Work& work) {
   take_variances(set, [](double) { return true; });
 }
 
-// Modes with complex shapes, if these leave much less of the data than real ones, which leave this
-// level.
+// Modes with complex shapes, if these leave much less of the data than the real ones, which leave
+// this level. They are no more than those, but for a few far from the lines: with a complex residue
+// each, modes fill any response that no modes explain, and others by the last bits.
 std::optional<identification::ModalFit> with_complex_shapes(
     const identification::FitData& data, identification::IdentificationOptions options,
-    double level) {
+    const identification::ModalFit& real, double level) {
   options.fit.damping = identification::Damping::general;
   options.far_modes = true;  // a suspension below the lines, a frame above them
+  options.most_modes = real.flexible_count() + kFarModes;
   try {
     auto fit = identification::identified(data, options).fit;
     const bool pays =
@@ -126,7 +131,8 @@ std::optional<identification::ModalFit> with_complex_shapes(
 }
 
 // Strings, cables and frames couple the modes of a real structure by damping. Real shapes then
-// need modes that are not there, and miss some that are.
+// need modes that are not there, and miss some that are. One response has no shapes: a phase of its
+// residues tells nothing that other modes do not tell as well.
 identification::ModalFit fitted_modes(const identification::FitData& data,
                                       const study::Study& study) {
   identification::IdentificationOptions options;
@@ -135,8 +141,8 @@ identification::ModalFit fitted_modes(const identification::FitData& data,
   options.fit.delay = true;
   auto fit = identification::identified(data, options).fit;
   const double level = identification::noise_level(fit, data);
-  if (level < identification::Constants::good_level) return fit;
-  auto complex = with_complex_shapes(data, options, level);
+  if (level < identification::Constants::good_level || data.response_count() < 2) return fit;
+  auto complex = with_complex_shapes(data, options, fit, level);
   return complex ? *std::move(complex) : fit;
 }
 
@@ -162,11 +168,11 @@ MeasuredFrfs within_band(MeasuredFrfs measured, const study::Study& study,
                       study.file.string(), within, set.frequency_hz.minCoeff(),
                       set.frequency_hz.maxCoeff(), highest_hz));
   set = modal::band(set, first_hz, last_hz);
-  state_variance(set, work);
+  state_variance(measured, work);
   return measured;
 }
 
-std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen,
+std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, bool variance_stated,
                                                  const study::Study& study, stage::Work& work) {
   if (seen.output_count() * seen.input_count() > diagnosis::kConstants.most_fitted)
     return std::nullopt;
@@ -174,8 +180,11 @@ std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen,
     work.note(std::string("no modes were identified for the comparison: ") + why.what());
     return std::nullopt;
   };
+  tell(work.progress(), "identifying modes");
   try {
-    return fitted_modes(identification::fit_data(seen), study);
+    identification::FitDataOptions how;
+    if (!variance_stated) how.model_error = kAssumedModelError;
+    return fitted_modes(identification::fit_data(seen, how), study);
   } catch (const InvalidInput& e) {
     return none(e);
   } catch (const NumericalFailure& e) {

@@ -25,7 +25,10 @@ namespace chladni::steps {
                                        stage::Work& work);
 
 /// Modes of the measured responses, for the comparison; none if they cannot be identified.
+/// @param variance_stated  MeasuredFrfs::variance_stated: else the fit allows for an error of the
+///                         model, as an identification does
 [[nodiscard]] std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen,
+                                                               bool variance_stated,
                                                                const study::Study& study,
                                                                stage::Work& work);
 

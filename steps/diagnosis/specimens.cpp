@@ -65,7 +65,7 @@ diagnosis::MeasuredModes modes_of_specimen(const study::Study& study, stage::Wor
   const auto measured =
       within_band(measured_frfs(study, work), study, plan_of(study), HUGE_VAL, work);
   const auto seen = modal::part(measured.all, measured.outputs, measured.inputs);
-  const auto fit = modes_of(seen, study, work);
+  const auto fit = modes_of(seen, measured.variance_stated, study, work);
   require(fit.has_value(), "no modes can be identified from its responses");
   const auto& lines = seen.frequency_hz;
   const auto all =

@@ -20,8 +20,6 @@
 namespace chladni::steps {
 namespace {
 
-constexpr double kAssumedModelError = 0.01;  // if no variance is stated
-
 identification::FitDataOptions data_options(const study::IdentificationPlan& plan,
                                             const modal::FrfSet& set) {
   identification::FitDataOptions options{.low_hz = plan.low_hz, .high_hz = plan.high_hz};
