@@ -62,6 +62,16 @@ WHOLE_NUMBERS_ONLY = ["host/atomic_file.cpp", "host/worker.cpp", "mesh/mesher/*"
 CLONES = "base/cpu_clones.h"
 NO_SUCH_NAME = re.compile(r"util|helper|manager|common|misc|stuff")
 INCLUDE = re.compile(r'#\s*include [<"]([^>"]+)')
+# What may hold a brace or a word that is no code. A ' within a number (1'000) begins no character.
+NO_CODE = re.compile(r"""
+    R"(\w*)\(.*?\)\1" | "(?:\\.|[^"\\\n])*" | (?<!\w)'(?:\\.|[^'\\\n])+' | //[^\n]* | /\*.*?\*/
+    | ^[ \t]*\#(?:\\\n|[^\n])* | \btemplate\s*<[^<>]*> | \[\[.*?\]\]
+    """, re.DOTALL | re.MULTILINE | re.VERBOSE)
+BRACE = re.compile(r"""
+    namespace (?P<space>[\w\s:]*) \{
+    | (?<!enum\ ) \b(?:class|struct)\s+ (?P<name>\w+(?:::\w+|<[^;{}]*?>)*) [^;{}()=]* \{
+    | [{}]
+    """, re.VERBOSE)
 
 
 def faults_of(root):
@@ -86,6 +96,31 @@ def faults_of(root):
                 for library, doors in DOORS.items():
                     if re.match(library, m[1]) and not any(here.match(d) for d in doors):
                         yield f"{here}:{number}: {m[1]} belongs in {' or '.join(doors)}"
+
+
+def classes_of(text):
+    """The classes that stand in namespaces with a name: chladni::mesh::Plate. Those of an unnamed
+    namespace are the file's own."""
+    scopes = []  # of each open brace: the name of a namespace, or "" for all else
+    for m in BRACE.finditer(NO_CODE.sub(" ", text)):
+        if m["name"] and "" not in scopes:
+            yield "::".join([*scopes, m["name"]])
+        if m[0] == "}":
+            scopes = scopes[:-1]
+        else:
+            scopes.append((m["space"] or "").strip())
+
+
+def faults_of_classes(root):
+    """Two classes of one name are one to the linker, which keeps the functions of either."""
+    files = collections.defaultdict(list)
+    for file in sorted(file for room in MAY_INCLUDE for file in root.glob(f"{room}/**/*.*")):
+        if file.suffix in (".h", ".cpp"):
+            for name in classes_of(file.read_text()):
+                files[name].append(str(file.relative_to(root)))
+    for name, where in files.items():
+        if len(where) > 1:
+            yield f"{', '.join(where)}: each defines {name}"
 
 
 def faults_of_tests(root):
@@ -127,7 +162,7 @@ def main():
     if "--graph" in sys.argv:
         print("\n".join(graph(root)))
         return False
-    faults = [*faults_of(root), *faults_of_tests(root), *faults_of_page(root)]
+    faults = [*faults_of(root), *faults_of_classes(root), *faults_of_tests(root), *faults_of_page(root)]
     print("\n".join(faults) or "layers hold")
     return bool(faults)
 

@@ -60,16 +60,17 @@ std::string best_blas_kernel() {
 }
 
 void use_best_blas_kernel(char** argv) {
-  const std::string best = best_blas_kernel();
-  if (is_as_good(blas_kernel(), best) || std::getenv(kVariable) != nullptr) return;
-  setenv(kVariable, best.c_str(), 1);
+  if (slow_blas_kernel().empty()) return;
+  setenv(kVariable, best_blas_kernel().c_str(), 1);
   execv("/proc/self/exe", argv);  // returns only on failure; the slow kernel is used then
 }
 
 std::string slow_blas_kernel() {
-  const std::string now = blas_kernel();
-  const std::string best = best_blas_kernel();
-  if (is_as_good(now, best) || std::getenv(kVariable) != nullptr) return "";
+  return slow_blas_kernel(blas_kernel(), best_blas_kernel(), std::getenv(kVariable) != nullptr);
+}
+
+std::string slow_blas_kernel(const std::string& now, const std::string& best, bool chosen) {
+  if (chosen || is_as_good(now, best)) return "";
   return "OpenBLAS runs its kernel \"" + now + "\", which is up to five times slower here than \"" +
          best + "\": set " + kVariable + "=" + best + " before the program starts";
 }

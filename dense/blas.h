@@ -22,6 +22,10 @@ void use_best_blas_kernel(char** argv);
 /// A sentence that says which slow kernel runs and how to choose the faster one. Empty where the
 /// kernel is as fast as possible on this processor or is not known. For programs that are not ours.
 [[nodiscard]] std::string slow_blas_kernel();
+/// The same for kernel `now` on a processor whose fastest kernel is `best`. Empty where the user
+/// has chosen the kernel.
+[[nodiscard]] std::string slow_blas_kernel(const std::string& now, const std::string& best,
+                                           bool chosen);
 
 /// Number of threads inside BLAS calls of this process; 0 where it is not known.
 [[nodiscard]] int blas_threads();

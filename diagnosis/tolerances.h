@@ -3,8 +3,9 @@
 
 namespace chladni::diagnosis {
 
-/// Standard deviations, SI. Every parameter of an effect has a tolerance here. A deviation within a
-/// few of these is never named. 0: known exactly.
+/// Standard deviations, SI. A deviation within a few of these is never named. 0: known exactly. What
+/// has none here is known exactly: a delay of one channel, low-passes, crosstalk, drift, suspension,
+/// frame.
 struct Tolerances {
   double gain = 5e-3;         ///< of each channel, relative
   double position = 5e-4;     ///< [m], of each channel along each axis

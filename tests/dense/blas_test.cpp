@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <string>
 
 #include "dense/algebra.h"
 
@@ -32,6 +33,33 @@ TEST(Algebra, IsThatOfEigen) {
   solve(gram, x);
   solve_transposed(gram, x);
   EXPECT_LT((x - b).norm(), 1e-12);
+}
+
+TEST(SlowBlasKernel, NamesBothKernelsAndWhatToSet) {
+  for (const std::string best : {"Haswell", "SkylakeX"}) {
+    const auto text = slow_blas_kernel("Prescott", best, false);
+    EXPECT_NE(text.find("kernel \"Prescott\""), std::string::npos) << text;
+    EXPECT_NE(text.find("than \"" + best + "\""), std::string::npos) << text;
+    EXPECT_NE(text.find("OPENBLAS_CORETYPE=" + best), std::string::npos) << text;
+  }
+  for (const auto* now : {"Haswell", "Zen", "Excavator", "Nehalem"}) {
+    EXPECT_NE(slow_blas_kernel(now, "SkylakeX", false), "") << now;
+  }
+  EXPECT_NE(slow_blas_kernel("Sandybridge", "Haswell", false), "");
+}
+
+TEST(SlowBlasKernel, IsNoneWhereNothingIsFasterOrKnown) {
+  for (const auto* now : {"Haswell", "Zen", "Excavator", "SkylakeX", "Cooperlake", "unknown"}) {
+    EXPECT_EQ(slow_blas_kernel(now, "Haswell", false), "") << now;
+  }
+  for (const auto* now : {"SkylakeX", "Cooperlake", "Sapphirerapids", "unknown"}) {
+    EXPECT_EQ(slow_blas_kernel(now, "SkylakeX", false), "") << now;
+  }
+  EXPECT_EQ(slow_blas_kernel("Prescott", "", false), "") << "a processor without AVX2";
+}
+
+TEST(SlowBlasKernel, IsLeftToTheUserWhoChoseIt) {
+  EXPECT_EQ(slow_blas_kernel("Prescott", "Haswell", true), "");
 }
 
 TEST(OneBlasThread, LastsUntilTheLastOfThemIsGone) {

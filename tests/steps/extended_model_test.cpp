@@ -122,6 +122,25 @@ class ExtendedOnSprings : public testing::TestWithParam<diagnosis::Cause> {};
 // What is scaled is the body, neither its springs nor its coil.
 TEST_P(ExtendedOnSprings, AnswersAsTheHypothesis) { expect_alike(GetParam(), kOnSprings); }
 
+// The hypothesis takes what is attached along with the larger body, the study leaves it in space:
+// both are the same in the middle alone.
+TEST(ExtendedInTheMiddle, AnswersAsTheHypothesisOfASizeError) {
+  const std::string in_the_middle = kStudy + R"(
+[[attachment]]
+kind = "spring"
+name = "flexure"
+stiffness = "40 kN/m"
+direction = "z"
+at = ["0 mm", "0 mm"]
+[[attachment]]
+kind = "mass"
+name = "coil"
+mass = "300 g"
+at = ["0 mm", "0 mm"]
+)";
+  expect_alike(cause("size_error", {{"relative", -0.02}}), in_the_middle);
+}
+
 class SmallField : public testing::TestWithParam<diagnosis::Cause> {};
 
 // As small as an experiment finds them: what is written is what was found, not the next stair.

@@ -55,6 +55,15 @@ Values sizes_of(const Parameter& parameter, bool few, StartSizes sizes) {
   return values;
 }
 
+// A scale of the whole body may be far off. Its modes then pair with none, and no step leads there.
+constexpr std::array kFar{0.5, 0.7, 0.9, 1.1, 1.3};
+void add_far(Values& values) {
+  for (const double size : kFar) {
+    values.push_back(size);
+    values.push_back(-size);
+  }
+}
+
 Values values_of(const Parameter& parameter, const VectorXd& measured_hz) {
   using Role = Parameter::Role;
   const double c = parameter.centre;
@@ -95,6 +104,7 @@ class Grid {
                             ? sizes_of(parameter, tuned, sizes)
                             : values_of(parameter, measured_hz));
     }
+    if (effect.is_scale && effect.is_of_body) add_far(values_.front());
     if (has_place) places_ = spread(structure.surface.places, has_more ? kFewPlaces : kPlaces);
     x_.resize(static_cast<Index>(parameters_.size()));
     put_all();

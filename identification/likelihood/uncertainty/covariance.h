@@ -28,9 +28,9 @@ struct Covariance {
 /// orthogonal to them in the parameters' own metric. Unknown are: parameters that change no
 /// response, the damping of undamped modes, and parameters with a share of a hundredth or more in a
 /// direction below double precision (1e-13 of a scaled eigenvalue). The deviations of the others
-/// hold for given values of the unknown ones.
+/// hold for given values of the unknown ones. A parameter whose own sum is not finite is unknown.
 /// Cost: n³, ten times that where there are such directions.
-/// @throws NumericalFailure  the equations are not finite
+/// @throws NumericalFailure  the equations of the other parameters are not finite
 [[nodiscard]] Covariance held_inverse(const BlockModel& model, const NormalEquations& normal,
                                       const Eigen::MatrixXd& idle);
 

@@ -144,6 +144,14 @@ TEST_F(VtuFiles, OfTheMeshHaveRegionsAndPatches) {
   ASSERT_NE(region, nullptr);
   EXPECT_EQ(region->GetNumberOfTuples(), mesh->GetNumberOfCells());
   EXPECT_EQ(words(mesh, "region_names"), std::vector<std::string>{"body"});
+  EXPECT_FALSE(fs::exists(folder_ / "out/mesh.png"));
+}
+
+TEST_F(VtuFiles, OfTheMeshComeWithAPicture) {
+  write("study.toml", kBody);
+  const auto end = run({"mesh", "study.toml", "-o", "out"});
+  ASSERT_EQ(end.status, 0) << end.err;
+  EXPECT_TRUE(whole(folder_ / "out/mesh.png").starts_with("\x89PNG\r\n"));
 }
 
 TEST_F(VtuFiles, OfModesHaveAVectorPerModeAndTheFrequencies) {
