@@ -19,16 +19,6 @@
 namespace chladni::stage {
 namespace {
 
-/// Number of flexible modes, so that the highest expected one is included.
-int wanted_count(const study::Study& study) {
-  int count = study.modes.count;
-  for (const auto& expectation : study.expectations) {
-    if (!expectation.key.starts_with("frequency_")) continue;
-    count = std::max(count, std::stoi(expectation.key.substr(expectation.key.find('_') + 1)));
-  }
-  return count;
-}
-
 /// Reports modes that the study names but that will not be computed.
 void require_modes(const study::Study& study) {
   study::Problems problems(study.file.string());
@@ -171,6 +161,15 @@ void warn_of_modes(const study::Study& study, Solution& solution, Work& work) {
 }
 
 }  // namespace
+
+int wanted_count(const study::Study& study) {
+  int count = study.modes.count;
+  for (const auto& expectation : study.expectations) {
+    if (!expectation.key.starts_with("frequency_")) continue;
+    count = std::max(count, std::stoi(expectation.key.substr(expectation.key.find('_') + 1)));
+  }
+  return count;
+}
 
 std::string engine_of(const study::Study& study, const Work& work) {
   return work.choices().engine.empty() ? study.modes.engine : work.choices().engine;

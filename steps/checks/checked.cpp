@@ -10,6 +10,7 @@
 #include "stage/faces.h"
 #include "stage/forecast.h"
 #include "stage/points_on_body.h"
+#include "stage/solution.h"
 #include "steps/interpolation.h"
 #include "study/problems.h"
 
@@ -50,11 +51,12 @@ std::string fault_at(const study::Study& study, const study::DataFile& file) {
 // Flexible modes of the truth that are asked for and that it will not compute; empty: none.
 std::string modes_beyond(const study::Study& study, const study::Study& truth) {
   const int wanted = study.measurement ? study.measurement->modes : 0;
-  if (truth.modes.up_to_hz > 0.0 || wanted <= truth.modes.count) return "";
+  const int there = stage::wanted_count(truth);
+  if (truth.modes.up_to_hz > 0.0 || wanted <= there) return "";
   return fmt::format(
       "measurement.modes asks for {} modes, but {} will be computed of {}; raise "
       "modes.count there",
-      wanted, truth.modes.count, truth.file.filename().string());
+      wanted, there, truth.file.filename().string());
 }
 
 // A truth stands by its modes alone, a specimen by its measurement too.

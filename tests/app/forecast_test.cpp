@@ -178,6 +178,10 @@ TEST_F(Before, CheckLooksIntoTheStudiesThatAreNamed) {
   EXPECT_TRUE(says(refusal(of_truth + "99\n"),
                    place + "measurement.modes asks for 99 modes, but 4 will be computed of real"));
   EXPECT_EQ(refusal(of_truth + "4\n"), "");
+  std::ofstream(folder_.path() / "real.toml") << kSmall +
+                                                     "modes = { count = 4 }\n[expect]\nfrequency_6 "
+                                                     "= { value = \"9 kHz\", within = \"50 %\" }\n";
+  EXPECT_EQ(refusal(of_truth + "6\n"), "") << "a mode that is expected is computed";
   EXPECT_TRUE(says(named("geometry = { file = \"none.stl\", unit = \"mm\" }" + kAluminium), place));
   EXPECT_TRUE(says(named(kSmall + "[[support]]\npatch = \"nix\"\nfixed = \"z\"\n"),
                    "support.patch: the body has no patch \"nix\""));
