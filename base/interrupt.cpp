@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "base/long_step.h"
 
 namespace chladni {
 namespace {

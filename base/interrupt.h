@@ -1,4 +1,4 @@
-// Handles Ctrl-C between two steps of work, never inside a step.
+// Handles Ctrl-C between two steps of work, never inside a step but for a long one.
 #pragma once
 
 #include <csignal>
@@ -25,6 +25,21 @@ class NotedInterrupts {
 
  private:
   struct sigaction before_ = {};
+};
+
+/// For a step of work that cannot ask whether a signal has come: calls of libraries that take
+/// minutes and write no file. While an object of this class lives, a signal that catch_interrupts
+/// notes and that nothing answers within three seconds ends the process, as a second signal does.
+/// Steps in several threads may overlap. Under NotedInterrupts the signal waits for the end of the
+/// step.
+class LongStep {
+ public:
+  LongStep();
+  ~LongStep();
+  LongStep(const LongStep&) = delete;
+  LongStep& operator=(const LongStep&) = delete;
+  LongStep(LongStep&&) = delete;
+  LongStep& operator=(LongStep&&) = delete;
 };
 
 /// @throws Interrupted  one of these signals has arrived

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/long_step.h"
+#include "base/interrupt.h"
 
 namespace chladni::fem {
 namespace {

@@ -12,7 +12,6 @@
 #include "base/error.h"
 #include "base/index.h"
 #include "base/interrupt.h"
-#include "base/long_step.h"
 #include "dense/blas.h"
 #include "fem/factor/cholmod.h"
 #include "fem/factor/fronts.h"

@@ -14,7 +14,6 @@
 #include <type_traits>
 
 #include "base/error.h"
-#include "base/long_step.h"
 
 namespace chladni {
 namespace {
