@@ -76,9 +76,9 @@ void add_points(const study::Study& study, const study::InterpolationPlan& plan,
                 Interpolated& result) {
   std::vector<mesh::Site> sites;
   Points directions(static_cast<Eigen::Index>(plan.points.size()), 3);
+  const double reach = stage::reach_of(solution.model.body);
   for (const auto& point : plan.points) {
-    const auto site = site_of(study, finder, stage::reach_of(solution.model.body), point.at,
-                              "point \"" + point.name + "\"");
+    const auto site = site_of(study, finder, reach, point.at, "point \"" + point.name + "\"");
     directions.row(static_cast<Eigen::Index>(sites.size())) =
         plan.direction.value_or(site.normal).transpose();
     sites.push_back(site);

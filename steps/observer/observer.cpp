@@ -56,9 +56,9 @@ void add_points(const study::Study& study, const stage::Solution& solution,
   const auto& plan = *study.observer;
   std::vector<mesh::Site> sites;
   Points directions(std::ssize(plan.points), 3);
+  const double reach = stage::reach_of(solution.model.body);
   for (const auto& point : plan.points) {
-    sites.push_back(site_of(study, finder, stage::reach_of(solution.model.body), point.at,
-                            "point \"" + point.name + "\""));
+    sites.push_back(site_of(study, finder, reach, point.at, "point \"" + point.name + "\""));
     directions.row(std::ssize(sites) - 1) = direction_of(point.direction, shapes, sites.back());
     result.places.points.push_back(point.name);
   }
@@ -113,11 +113,11 @@ void add_disturbances(const study::Study& study, const stage::Solution& solution
   std::vector<mesh::Site> sites;
   std::vector<Eigen::RowVector3d> along;
   std::vector<const study::DisturbancePlan*> on_floor;
+  const double reach = stage::reach_of(solution.model.body);
   for (const auto& plan : study.observer->disturbances) {
     if (plan.kind == "floor") on_floor.push_back(&plan);
     if (plan.kind == "force") {
-      sites.push_back(site_of(study, finder, stage::reach_of(solution.model.body), plan.at,
-                              "disturbance \"" + plan.name + "\""));
+      sites.push_back(site_of(study, finder, reach, plan.at, "disturbance \"" + plan.name + "\""));
       along.push_back(direction_of(plan.direction, shapes, sites.back()));
       result.force_directions.emplace_back(along.back().transpose());
       result.places.forces.push_back(plan.name);

@@ -73,9 +73,9 @@ Eigen::MatrixXd region_of(const study::Study& study, const stage::Solution& solu
   if (points.empty()) return mean_square(surface.shapes, surface.area);
   std::vector<mesh::Site> sites;
   std::vector<std::optional<Eigen::Vector3d>> along;
+  const double reach = stage::reach_of(solution.model.body);
   for (const auto& point : points) {
-    sites.push_back(site_of(study, finder, stage::reach_of(solution.model.body), point.at,
-                            "point \"" + point.name + "\""));
+    sites.push_back(site_of(study, finder, reach, point.at, "point \"" + point.name + "\""));
     along.push_back(point.direction);
   }
   return mean_square(shapes_along(sites, along, solution, plan),

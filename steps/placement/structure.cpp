@@ -55,9 +55,9 @@ Eigen::MatrixXd shapes_of_interest(const study::Study& study, const stage::Solut
   const placement::Sampler sampler(solution.model.body, solution.modes, {plan.direction, 0.0});
   const auto& finder = sampler.finder();
   std::vector<mesh::Site> points;
+  const double reach = stage::reach_of(solution.model.body);
   for (const auto& place : plan.interest) {
-    points.push_back(
-        site_of(study, finder, stage::reach_of(solution.model.body), place, "a point of interest"));
+    points.push_back(site_of(study, finder, reach, place, "a point of interest"));
   }
   return sampler.at(points).shapes;
 }

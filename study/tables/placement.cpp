@@ -10,13 +10,11 @@ namespace {
 /// modes = 3, modes = [1, 4], or up_to = "500 Hz" (also written modes = { up_to = ... }).
 void read_wanted_modes(TableReader& table, PlacementPlan& plan) {
   const TomlNode* node = table.find("modes");
-  if (const TomlNode* up_to = table.find("up_to"); node == nullptr && up_to != nullptr) {
-    plan.modes_line = up_to->line;
-    plan.modes_column = up_to->column;
+  if (const auto* stated = node != nullptr ? node : table.find("up_to")) {
+    plan.modes_line = stated->line;
+    plan.modes_column = stated->column;
   }
   if (node == nullptr) return;
-  plan.modes_line = node->line;
-  plan.modes_column = node->column;
   if (table.has("up_to")) {
     table.wrong(*node, table.path() + " has modes and up_to; expected one of them");
   } else if (node->kind == TomlNode::Kind::table) {

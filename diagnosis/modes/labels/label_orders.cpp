@@ -51,8 +51,9 @@ MatrixXd real_shapes(const Eigen::MatrixXcd& measured) {
 // One column for each measured mode: its mode of the model, −1: none.
 using Pairs = std::vector<Index>;
 
-// Pairs by frequency alone, all measured frequencies times e^shift.
-Pairs pairs_at(const LabelScene& scene, double shift) {
+// What each pair of a measured mode and one of the model costs by its frequencies.
+// @param shift  of all measured frequencies, in ln
+MatrixXd frequency_cost(const LabelScene& scene, double shift) {
   MatrixXd cost(scene.measured_hz.size(), scene.model_hz.size());
   for (Index i = 0; i < cost.rows(); ++i) {
     for (Index k = 0; k < cost.cols(); ++k) {
@@ -61,9 +62,18 @@ Pairs pairs_at(const LabelScene& scene, double shift) {
       cost(i, k) = apart * apart;
     }
   }
+  return cost;
+}
+
+Pairs cheapest_pairs(const MatrixXd& cost) {
   Pairs pairs(at(cost.rows()), -1);
   for (const auto& [i, k] : modal::assigned(cost, 1.0 - kConstants.least_mac)) pairs[at(i)] = k;
   return pairs;
+}
+
+// Pairs by frequency alone, all measured frequencies times e^shift.
+Pairs pairs_at(const LabelScene& scene, double shift) {
+  return cheapest_pairs(frequency_cost(scene, shift));
 }
 
 double root_mean_square(const VectorXd& vector) {
@@ -120,17 +130,11 @@ class Turns {
   // The modes of the model paired anew, by the shapes under an order.
   // @param shift  of all measured frequencies, in ln
   [[nodiscard]] Pairs paired_by(const LabelOrder& order, double shift) const {
-    MatrixXd cost(records_.cols(), scene_.model_hz.size());
+    MatrixXd cost = frequency_cost(scene_, shift);
     for (Index i = 0; i < cost.rows(); ++i) {
-      for (Index k = 0; k < cost.cols(); ++k) {
-        const double apart =
-            (std::log(scene_.measured_hz(i) / scene_.model_hz(k)) + shift) / kConstants.apart;
-        cost(i, k) = apart * apart + 1.0 - mac(order, i, k);
-      }
+      for (Index k = 0; k < cost.cols(); ++k) cost(i, k) = cost(i, k) + 1.0 - mac(order, i, k);
     }
-    Pairs pairs(at(cost.rows()), -1);
-    for (const auto& [i, k] : modal::assigned(cost, 1.0 - kConstants.least_mac)) pairs[at(i)] = k;
-    return pairs;
+    return cheapest_pairs(cost);
   }
 
  private:
