@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "base/error.h"
 #include "diagnosis/diagnosed.h"
@@ -27,6 +28,21 @@ using Eigen::VectorXd;
 const Supposed kMass{&effect("point_mass"), 0, Eigen::Vector3d(0.4, 0.12, 0.08)};
 const Supposed kSpring{&effect("ground_spring"), 0, Eigen::Vector3d(std::log(8e4), -0.21, 0.14)};
 const Supposed kGain{&effect("sensor_gain"), 1, VectorXd::Constant(1, 0.1)};
+
+Tolerances of_loaded_modes() {
+  Tolerances tolerances = no_tolerances();
+  tolerances.loaded_damping = 1.0;
+  return tolerances;
+}
+
+// Responses of the plate, for hypotheses whose damping ratios are those of the loaded modes.
+struct LoadedProblem {
+  const Structure& plate = small_plate();
+  Observed observed = observed_in(state_of(plate), 1.0);
+  std::vector<Deviation> tolerable = deviations(plate, of_loaded_modes(), 500.0);
+  Problem problem{plate, observed, tolerable};
+  VectorXd eta = VectorXd::Ones(std::ssize(tolerable));
+};
 
 // By their own modes, rigid-body modes that a spring holds too.
 TEST(LoadedDamping, GivesEachLoadedModeTheRatioOfTheStudy) {
@@ -103,13 +119,8 @@ TEST(LoadedDamping, DeviatesByLoadedModes) {
 
 // A step of a coordinate would leave no positive mass there: the slopes are those of shorter steps.
 TEST(LoadedDamping, HasSlopesBesideABodyThatIsImpossible) {
-  const auto& plate = small_plate();
-  const Observed observed = observed_in(state_of(plate), 1.0);
-  Tolerances tolerances = no_tolerances();
-  tolerances.loaded_damping = 1.0;
-  const auto tolerable = deviations(plate, tolerances, 500.0);
-  const Problem problem{plate, observed, tolerable};
-  const VectorXd eta = VectorXd::Ones(std::ssize(tolerable));
+  const LoadedProblem loaded;
+  const auto& [plate, observed, tolerable, problem, eta] = loaded;
   const auto taken = [](double mass) {
     return std::vector<Supposed>{{&effect("point_mass"), 0, Eigen::Vector3d(mass, 0.28, 0.28)}};
   };
@@ -135,14 +146,10 @@ TEST(LoadedDamping, HasSlopesBesideABodyThatIsImpossible) {
 
 // What is taken away is possible beside what is added, and alone it is not.
 TEST(LoadedDamping, OfACauseThatNeedsAnotherIsComparedWithNothing) {
-  const auto& plate = small_plate();
-  const Observed observed = observed_in(state_of(plate), 1.0);
-  Tolerances tolerances = no_tolerances();
-  tolerances.loaded_damping = 1.0;
-  const auto tolerable = deviations(plate, tolerances, 500.0);
-  const Problem problem{plate, observed, tolerable};
+  const LoadedProblem loaded;
+  const auto& problem = loaded.problem;
   Fit nothing;
-  nothing.eta = VectorXd::Ones(std::ssize(tolerable));
+  nothing.eta = loaded.eta;
   nothing.log_evidence = -7.0;
   Fit both = nothing;
   both.causes = {{&effect("point_mass"), 0, Eigen::Vector3d(0.5, 0.28, 0.28)},
