@@ -23,9 +23,10 @@ namespace chladni::identification {
                                                 const std::vector<modal::MeasuredChannel>& outputs,
                                                 const std::vector<modal::MeasuredChannel>& inputs);
 
-/// Differences between this state space and the fit, a sentence each: a delay below 0, the
-/// flexibility of the modes above the band where a sensor measures velocity or acceleration, what
-/// the sum of complex shapes adds to an acceleration in proportion to the frequency.
+/// Differences between this state space and the fit, a sentence each: a delay below 0 by more than
+/// two of its deviations (or by anything where the fit states none), the flexibility of the modes
+/// above the band where a sensor measures velocity or acceleration, what the sum of complex shapes
+/// adds to an acceleration in proportion to the frequency.
 [[nodiscard]] std::vector<std::string> left_out_of_control_model(
     const ModalFit& fit, const std::vector<modal::MeasuredChannel>& outputs);
 

@@ -10,10 +10,27 @@
 namespace chladni::identification {
 namespace {
 
-// The earliest delay of a channel [s].
+constexpr double kNoDelay = 2.0;  // deviations within which a delay is none
+
+// A deviation of 0 is none: it was not computed.
+bool is_below_zero(double delay, double deviation) {
+  return delay < (deviation > 0.0 ? -kNoDelay * deviation : 0.0);
+}
+
+// The earliest delay of those that are below 0 [s]; 0 without such. A channel that was not measured
+// has an infinite deviation, and thus none.
 double earliest_delay(const ModalFit& fit) {
   const auto& own = fit.channel_delay_s;
-  return fit.delay_s + (own.size() > 0 ? own.minCoeff() : 0.0);
+  if (own.size() == 0) return is_below_zero(fit.delay_s, fit.delay_std_s) ? fit.delay_s : 0.0;
+  const bool is_known = fit.channel_delay_std_s.size() == own.size();
+  double earliest = 0.0;
+  for (Eigen::Index i = 0; i < own.size(); ++i) {
+    const double delay = fit.delay_s + own(i);
+    if (is_below_zero(delay, is_known ? fit.channel_delay_std_s(i) : 0.0)) {
+      earliest = std::min(earliest, delay);
+    }
+  }
+  return earliest;
 }
 
 // The velocity that a force gives accelerometers at once, C B, relative to what single states add

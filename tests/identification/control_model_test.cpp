@@ -106,6 +106,35 @@ TEST(IdentifiedControlModel, CannotLookAhead) {
   EXPECT_NE(notes[0].find("-100 us"), std::string::npos) << notes[0];
 }
 
+// A delay that noise made negative is one of 0.
+TEST(IdentifiedControlModel, TakesADelayWithinTwoDeviationsOfZeroForNone) {
+  auto one = fitted();
+  auto& fit = one.fit;
+  const auto is_told = [&] { return !left_out_of_control_model(fit, one.outputs).empty(); };
+  fit.channel_delay_s = Eigen::Vector4d(1e-4, -3.9e-4, 0.0, -5e-4);
+  fit.delay_s = 3e-4;
+  EXPECT_TRUE(is_told());  // of unknown deviation
+  fit.channel_delay_std_s = Eigen::Vector4d(1e-6, 5e-5, 1e-6, 1.1e-4);
+  EXPECT_FALSE(is_told());
+  EXPECT_EQ(control_model(fit, one.match, one.outputs, one.inputs).output_delay(3), 0.0);
+  fit.channel_delay_std_s(1) = 4e-5;
+  const auto notes = left_out_of_control_model(fit, one.outputs);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("-90 us"), std::string::npos) << notes[0];  // y4's -200 us are noise
+  // A channel that was not measured has no delay.
+  fit.channel_delay_std_s(1) = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(is_told());
+  // One delay for all.
+  fit.channel_delay_s.resize(0);
+  fit.channel_delay_std_s.resize(0);
+  fit.delay_s = -2e-6;
+  EXPECT_TRUE(is_told());
+  fit.delay_std_s = 1.1e-6;
+  EXPECT_FALSE(is_told());
+  fit.delay_std_s = 0.9e-6;
+  EXPECT_TRUE(is_told());
+}
+
 TEST(IdentifiedControlModel, SaysWhatAccelerometersLack) {
   auto one = fitted();
   EXPECT_TRUE(left_out_of_control_model(one.fit, one.outputs).empty());
