@@ -32,9 +32,9 @@ struct SimulatedChannels {
 struct GainSimulation {
   std::function<SimulatedChannels()> at_channels;  ///< for pairs whose two places differ
   std::function<GainPrior()> prior;                ///< for modes that no pair scales
-  /// The diagonal of the body [m]. A sensor and an actuator that act along one line are in one
-  /// place on the two faces of a plate, not at the ends of a bar; without it they are wherever they
-  /// are.
+  /// The diagonal of the body [m]: what is one place, and what is near, are parts of it. A sensor
+  /// and an actuator that act along one line are in one place on the two faces of a plate, not at
+  /// the ends of a bar; without it they are wherever they are.
   std::function<double()> size_m = {};
 };
 
@@ -58,7 +58,10 @@ struct ChannelGains {
                                          const GainPlan& plan, const GainSimulation& simulation);
 
 /// The prior of a simulation for the scale of modes without a pair, corrected by the shapes of the
-/// side with more channels: each has its own scale there, so that gains do not matter.
+/// side with more channels: each has its own scale there, so that gains do not matter. What these
+/// leave uncertain of the corrections is in `aside`, and thus in the deviation of each scale. Fewer
+/// than three places teach nothing: the simulation is then taken as it is, with the errors of
+/// DynamicResidual, which are wide enough for a usual one.
 /// @param outputs, inputs  the channels of the fit, with the simulation's modes
 [[nodiscard]] GainPrior simulated_gain_prior(const ModalFit& fit,
                                              const priors::Simulation& simulation,

@@ -247,6 +247,11 @@ struct Constants {
   /// The same of a pair that nobody names; the ends of a bar are none [diagonals of the body]
   /// (chosen).
   static constexpr double through_pair = 0.25;
+  /// Distance across their line, at most, of a sensor and an actuator at one place; also the extent
+  /// of places on a line across it [diagonals of the body] (chosen: 1 mm of half a metre).
+  static constexpr double beside_place = 0.002;
+  /// Probability of a sign from which it is sure for a band of 95 % [1] (chosen).
+  static constexpr double sure_sign = 0.95;
   /// Part of an imaginary shape that damping between modes need not explain [1] (chosen, fa3f565).
   static constexpr double imaginary_slack = 0.02;
   /// Frequency of the next mode over that of a suspended one, at least [1] (chosen, fd8154b).

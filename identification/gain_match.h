@@ -59,6 +59,10 @@ struct GainPrior {
   priors::Places outputs, inputs;
   priors::ModalBasis basis;
   priors::DynamicResidual residual;
+  /// Other plausible simulations (without any of their own), one deviation of what was learned away
+  /// along each of its directions: the squared changes of ln β add up to a variance.
+  std::vector<GainPrior> aside = {};
+  std::vector<std::string> doubts = {};  ///< of the simulation; a warning where it scales a mode
 };
 
 struct GainMatchOptions {

@@ -164,4 +164,16 @@ GainMatch gain_match(const TwoSidedShape& shape, const ModalBasis& basis,
   return match;
 }
 
+double log_gain_near(const TwoSidedShape& shape, const ModalBasis& basis,
+                     const DynamicResidual& prior, const GainMatch& near) {
+  const auto sides = sides_of(shape, basis, coefficient_prior(basis, shape.frequency_hz, prior));
+  const double step = std::max(near.deviation, kNarrowest);
+  const double below = evidence_of(sides, near.log_gain - step, near.sign);
+  const double here = evidence_of(sides, near.log_gain, near.sign);
+  const double above = evidence_of(sides, near.log_gain + step, near.sign);
+  const double curvature = std::max(2.0 * here - above - below, 1e-2);  // 1: that of `near`
+  const double move = 0.5 * step * (above - below) / curvature;
+  return near.log_gain + std::clamp(move, -Constants::gain_reach, Constants::gain_reach);
+}
+
 }  // namespace chladni::priors

@@ -32,4 +32,10 @@ struct GainMatch {
 [[nodiscard]] GainMatch gain_match(const TwoSidedShape& shape, const ModalBasis& basis,
                                    const DynamicResidual& prior = {});
 
+/// ln β under another simulation or other errors of it, one step of Newton from the gain of a
+/// simulation near it; of its sign. Cost: 3 decompositions of s + a rows.
+/// @param near  its log_gain, deviation and sign are used
+[[nodiscard]] double log_gain_near(const TwoSidedShape& shape, const ModalBasis& basis,
+                                   const DynamicResidual& prior, const GainMatch& near);
+
 }  // namespace chladni::priors

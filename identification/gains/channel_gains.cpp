@@ -4,6 +4,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 
@@ -17,7 +18,6 @@ namespace chladni::identification {
 namespace {
 
 constexpr double kLargestMode = 0.15;  // deviation of ln f between a mode and its simulation
-constexpr double kOnePlace = 1e-3;     // [m]
 
 Eigen::Index channel_index(const std::vector<modal::MeasuredChannel>& channels,
                            const std::string& name) {
@@ -46,22 +46,30 @@ double diagonal_of_places(const modal::FrfSet& channels) {
   return box.isEmpty() ? 0.0 : box.diagonal().norm();
 }
 
-// Diagonal of the body [m], at least that of its channels, which does where no pair needs more;
-// infinite where it is not known.
-double size_of(const modal::FrfSet& channels, const std::vector<CollocatedPair>& pairs,
-               const GainSimulation& simulation) {
-  const double seen = diagonal_of_places(channels);
-  const bool is_thin = std::ranges::all_of(pairs, [&](const auto& pair) {
-    return apart(channels, pair).along <= Constants::through_place * seen;
-  });
-  if (is_thin) return seen;
-  return simulation.size_m ? std::max(seen, simulation.size_m())
-                           : std::numeric_limits<double>::infinity();
+// Diagonals of the body [m] that decide on the distances of pairs along and across their lines.
+struct Sizes {
+  double along, across;
+};
+
+bool is_apart(const modal::FrfSet& channels, const CollocatedPair& pair, const Sizes& size) {
+  const auto [along, across] = apart(channels, pair);
+  return across > Constants::beside_place * size.across ||
+         along > Constants::through_place * size.along;
 }
 
-bool is_apart(const modal::FrfSet& channels, const CollocatedPair& pair, double size) {
-  const auto [along, across] = apart(channels, pair);
-  return across > kOnePlace || along > Constants::through_place * size;
+// The size of the body, at least that of its channels, which does where no pair needs more. Where
+// it is not known it is infinite along the lines: plates may be thick. Across them it is then that
+// of the channels.
+Sizes sizes_of(const modal::FrfSet& channels, const std::vector<CollocatedPair>& pairs,
+               const GainSimulation& simulation) {
+  const double seen = diagonal_of_places(channels);
+  const Sizes least{seen, seen};
+  const bool is_near = std::ranges::none_of(
+      pairs, [&](const auto& pair) { return is_apart(channels, pair, least); });
+  if (is_near) return least;
+  if (!simulation.size_m) return {std::numeric_limits<double>::infinity(), seen};
+  const double body = std::max(seen, simulation.size_m());
+  return {body, body};
 }
 
 double alike(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
@@ -90,7 +98,7 @@ Eigen::Index simulated_mode(const modal::ReducedModel& fit, Eigen::Index mode,
 
 // Adds the simulated shapes at the two places of each pair that are apart, mode by mode.
 void add_simulated_shapes(const modal::ReducedModel& fit, const modal::FrfSet& channels,
-                          const SimulatedChannels& simulation, double size,
+                          const SimulatedChannels& simulation, const Sizes& size,
                           std::vector<CollocatedPair>& pairs) {
   const auto m = fit.mode_count();
   for (auto& pair : pairs) {
@@ -108,7 +116,6 @@ void add_simulated_shapes(const modal::ReducedModel& fit, const modal::FrfSet& c
 // Number of rigid-body motions along z that the channels' places can tell apart: 2 for a line along
 // x, 3 for a plane.
 Eigen::Index motions_told(const modal::FrfSet& seen) {
-  constexpr double kLine = 1e-3;  // [m]
   double least = std::numeric_limits<double>::infinity();
   double most = -least;
   for (const auto* side : {&seen.outputs, &seen.inputs}) {
@@ -117,7 +124,7 @@ Eigen::Index motions_told(const modal::FrfSet& seen) {
       most = std::max(most, channel.position->y());
     }
   }
-  return most - least > kLine ? 3 : 2;
+  return most - least > Constants::beside_place * diagonal_of_places(seen) ? 3 : 2;
 }
 
 // Geometry of rigid-body motions, if all channels move along z and their places are distinct.
@@ -193,6 +200,15 @@ priors::MeasuredShapes shapes_of_one_side(const ModalFit& fit, const GainPrior& 
           values(rows, modes), noise(rows, modes)};
 }
 
+GainPrior corrected(const GainPrior& plain, const priors::CorrectedSimulation& simulation) {
+  const auto& turn = simulation.modes.turn;
+  GainPrior prior{plain.outputs, plain.inputs,
+                  priors::corrected_basis(plain.basis, simulation.modes), simulation.errors.prior};
+  prior.outputs.shapes = plain.outputs.shapes * turn;
+  prior.inputs.shapes = plain.inputs.shapes * turn;
+  return prior;
+}
+
 // True if the scale of a flexible mode was not found.
 bool lacks_a_scale(const GainMatch& match, Eigen::Index rigid_count) {
   return std::any_of(match.modes.begin() + rigid_count, match.modes.end(),
@@ -228,10 +244,10 @@ ChannelGains channel_gains(const ModalFit& fit, const modal::FrfSet& channels, c
   }
   ChannelGains gains;
   gains.pairs = channel_pairs(plan, channels);
-  const double size = size_of(channels, gains.pairs, simulation);
+  const auto size = sizes_of(channels, gains.pairs, simulation);
   if (plan.pairs.empty()) {
     std::erase_if(gains.pairs, [&](const auto& pair) {
-      return apart(channels, pair).along > Constants::through_pair * size;
+      return apart(channels, pair).along > Constants::through_pair * size.along;
     });
   }
   const bool some_apart = std::ranges::any_of(
@@ -256,15 +272,16 @@ ChannelGains channel_gains(const ModalFit& fit, const modal::FrfSet& channels, c
 GainPrior simulated_gain_prior(const ModalFit& fit, const priors::Simulation& simulation,
                                const priors::Places& outputs, const priors::Places& inputs) {
   constexpr Eigen::Index kFewestPlaces = 3;  // as for an interpolation
-  GainPrior prior{outputs, inputs, priors::modal_basis(simulation), {}};
-  const auto shapes = shapes_of_one_side(fit, prior);
-  if (shapes.places.count() < kFewestPlaces || shapes.mode_count() == 0) return prior;
-  const auto learned = priors::learned_corrections(shapes, prior.basis, simulation.corrections);
-  const auto& modes = learned.likeliest.modes;
-  prior.basis = priors::corrected_basis(prior.basis, modes);
-  prior.outputs.shapes = (prior.outputs.shapes * modes.turn).eval();
-  prior.inputs.shapes = (prior.inputs.shapes * modes.turn).eval();
-  prior.residual = learned.likeliest.errors.prior;
+  const GainPrior plain{outputs, inputs, priors::modal_basis(simulation), {}};
+  const auto shapes = shapes_of_one_side(fit, plain);
+  if (shapes.places.count() < kFewestPlaces || shapes.mode_count() == 0) return plain;
+  const auto learned = priors::learned_corrections(shapes, plain.basis, simulation.corrections);
+  auto prior = corrected(plain, learned.likeliest);
+  for (const auto& other : learned.aside) prior.aside.push_back(corrected(plain, other));
+  // Of dozens of corrections one or two are chance far from plausible; `aside` holds what that
+  // means.
+  std::ranges::copy_if(learned.doubts, std::back_inserter(prior.doubts),
+                       [](const auto& doubt) { return !doubt.starts_with("correction "); });
   return prior;
 }
 

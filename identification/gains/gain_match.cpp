@@ -350,6 +350,7 @@ GainMatch gain_match(const ModalFit& fit, const std::vector<modal::MeasuredChann
   warn_of_gains(state, gains.left);
   for (std::size_t group = 0; group < state.groups.size(); ++group) match_group(state, group);
   warn_of_disagreement(state);
+  warn_of_prior(state);
   mark_unknown(fit, state);
   state.match.side = sign_of_inputs(state);
   state.match.residual = state.match.side * state.fit.model.residual;

@@ -7,8 +7,10 @@
 #include <limits>
 
 #include "base/error.h"
+#include "identification/constants.h"
 #include "identification/gains/block_covariance.h"
 #include "identification/gains/matched_sides.h"
+#include "identification/gains/told_by_prior.h"
 
 namespace chladni::identification {
 
@@ -177,23 +179,6 @@ void match_block(Matching& state, std::size_t group) {
   apply(state, state.groups[group], scaling, MatchedBy::pairs);
 }
 
-// What the simulation tells of the scale of a mode.
-priors::GainMatch told_by_prior(const TwoSides& sides, double frequency_hz,
-                                const GainPrior& prior) {
-  if (!(sides.outputs.norm() > 0.0 && sides.inputs.norm() > 0.0)) {
-    throw NumericalFailure("all sensors or all actuators see nothing of it: not scaled");
-  }
-  const Eigen::VectorXd noise = sides.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const auto at_least = [](const Eigen::VectorXd& deviation, const Eigen::VectorXd& values) {
-    const double rms = values.norm() / std::sqrt(static_cast<double>(values.size()));
-    return Eigen::VectorXd(deviation.cwiseMax(1e-6 * rms));
-  };
-  return priors::gain_match({frequency_hz, prior.outputs, prior.inputs, sides.outputs, sides.inputs,
-                             at_least(noise.head(sides.outputs.size()), sides.outputs),
-                             at_least(noise.tail(sides.inputs.size()), sides.inputs)},
-                            prior.basis, prior.residual);
-}
-
 bool match_by_prior(Matching& state, std::size_t group) {
   const auto mode = state.groups[group].first;
   const double frequency_hz = state.fit.model.frequency_hz(mode);
@@ -213,15 +198,21 @@ bool match_by_prior(Matching& state, std::size_t group) {
       MatchedBy::prior);
   auto& match = state.match;
   const double relative = 0.5 * found.deviation;
-  const auto widen = [&](auto deviation, const auto& values) {
-    deviation = (deviation.array().square() + (relative * values.array()).square()).sqrt();
+  const double at_inputs = std::hypot(relative, deviation_of_sign(found.certainty));
+  const auto widen = [](double part, auto deviation, const auto& values) {
+    deviation = (deviation.array().square() + (part * values.array()).square()).sqrt();
   };
-  widen(match.deviation.col(mode).head(p), match.shapes.col(mode).head(p));
-  widen(match.input_deviation.row(mode), match.input_shapes.row(mode));
-  widen(state.at_inputs_std.col(mode), state.at_inputs.col(mode));
+  widen(relative, match.deviation.col(mode).head(p), match.shapes.col(mode).head(p));
+  widen(at_inputs, match.input_deviation.row(mode), match.input_shapes.row(mode));
+  widen(at_inputs, state.at_inputs_std.col(mode), state.at_inputs.col(mode));
   auto& told = match.modes[static_cast<std::size_t>(mode)];
   told.alpha_std = told.alpha * relative;
   told.sign = state.side * found.sign;
+  if (found.certainty < Constants::sure_sign) {
+    state.match.warnings.push_back(fmt::format(
+        "{}: the simulation tells the sign of its actuators with a certainty of {:.0f} % only",
+        state.mode_name(state.groups[group]), 100.0 * found.certainty));
+  }
   return true;
 }
 

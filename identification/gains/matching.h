@@ -50,6 +50,9 @@ void warn_of_gains(Matching& state, const Eigen::MatrixXd& left);
 /// Warns of modes whose pairs or places contradict each other.
 void warn_of_disagreement(Matching& state);
 
+/// Warns of what is doubtful of the simulation, if it scaled a mode.
+void warn_of_prior(Matching& state);
+
 /// Scales one group of modes with the information available; without any it adds a warning.
 void match_group(Matching& state, std::size_t group);
 

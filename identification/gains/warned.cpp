@@ -71,4 +71,12 @@ void warn_of_disagreement(Matching& state) {
   }
 }
 
+void warn_of_prior(Matching& state) {
+  const auto by_prior = [](const ModeMatch& mode) { return mode.by == MatchedBy::prior; };
+  if (!state.options.prior || std::ranges::none_of(state.match.modes, by_prior)) return;
+  for (const auto& doubt : state.options.prior->doubts) {
+    state.match.warnings.push_back("the simulation, which scales modes without a pair: " + doubt);
+  }
+}
+
 }  // namespace chladni::identification
