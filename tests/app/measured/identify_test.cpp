@@ -160,11 +160,14 @@ TEST_F(Identify, HasTheShapesOfFivePairsFromTwoSensorsAndFourActuators) {
 }
 
 // Figures 6.2 and 6.3, of a chain whose damping is modal. cmake/held_out_rows.py has the joints'.
+// Both are at the noise of the record. With the least degree of its fraction the thesis' path lacks
+// a mode, and is 200 times as far off: that would be a lead of settings.
 TEST_F(Identify, PredictsALeftOutSensorAtLeastAsWellAsTheThesis) {
   write("thesis_5x3.csv", measured(recordings::beam_with_carried_body(), 6, {1, 3, 5}));
   const auto [ours, theirs] = held_out_errors(model("beam/thesis_5x3_without_3.toml"));
-  EXPECT_LT(ours, 0.002);
-  EXPECT_LE(ours, theirs);
+  EXPECT_LT(ours, 1e-4);
+  EXPECT_LT(theirs, 1e-4);
+  EXPECT_LT(ours, 1.05 * theirs);
   EXPECT_TRUE(fs::exists(folder_.path() / "ours/predicted.csv"));
 }
 
@@ -172,7 +175,8 @@ TEST_F(Identify, PredictsALeftOutSensorAtLeastAsWellAsTheThesis) {
 TEST_F(Identify, LosesHardlyAnythingByComplexShapesThatAreNotThere) {
   write("thesis_5x3.csv", measured(recordings::beam_with_carried_body(), 6, {1, 3, 5}));
   const auto [ours, theirs] = held_out_errors(model("beam/thesis_5x3_without_3_5.toml"));
-  EXPECT_LT(ours, 0.002);
+  EXPECT_LT(ours, 1e-4);
+  EXPECT_LT(theirs, 1e-4);
   EXPECT_LT(ours, 1.1 * theirs);
 }
 
