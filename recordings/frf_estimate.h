@@ -21,8 +21,9 @@ struct FrfEstimateOptions {
   bool remove_transient = false;
   std::optional<Eigen::Index> drop;    ///< periods at the start; none: transient() decides
   double low_hz = 0.0, high_hz = 0.0;  ///< high 0: all excited lines
-  /// Variances are averaged over this number of lines on each side. None: enough lines that a
-  /// variance has 14 degrees of freedom, at most 5 (a weight with few degrees costs efficiency).
+  /// Variances are averaged over this number of lines on each side (estimate/line_variance.h).
+  /// None: enough lines that a variance has 14 degrees of freedom, at most 5 (a weight with few
+  /// degrees costs efficiency).
   std::optional<Eigen::Index> smooth_lines;
 };
 
@@ -69,11 +70,8 @@ void tell_removed(const TimeData& data, const TransientReport& about, FrfEstimat
 /// Lines on each side over which a variance of so many degrees of freedom is averaged.
 [[nodiscard]] Eigen::Index lines_for_freedom(Eigen::Index freedom);
 
-/// Mean over ±half lines; at the ends over the lines that exist.
-[[nodiscard]] std::vector<Eigen::MatrixXd> smoothed(const std::vector<Eigen::MatrixXd>& variance,
-                                                    Eigen::Index half);
-
-/// Fills lines, variances (smoothed) and their degrees of freedom; the closed loop uses it as well.
+/// Fills lines, variances (averaged over lines) and their degrees of freedom; the closed loop uses
+/// it as well. @pre the set has its values
 void fill(const Spectra& spectra, const TransferVariances& found, const FrfEstimateOptions& options,
           FrfEstimate& estimate);
 

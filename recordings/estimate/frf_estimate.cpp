@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "recordings/constants.h"
+#include "recordings/estimate/line_variance.h"
 #include "recordings/estimate/local_transient.h"
 #include "recordings/recordings.h"
 
@@ -60,21 +61,6 @@ std::vector<Eigen::Index> excited_places(const SpectraSource& all,
   return places;
 }
 
-std::vector<Eigen::MatrixXd> smoothed(const std::vector<Eigen::MatrixXd>& variance,
-                                      Eigen::Index half) {
-  if (half <= 0) return variance;
-  const auto n = static_cast<Eigen::Index>(variance.size());
-  std::vector<Eigen::MatrixXd> result;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const auto first = std::max<Eigen::Index>(0, k - half);
-    const auto last = std::min(n - 1, k + half);
-    Eigen::MatrixXd sum = variance[static_cast<std::size_t>(first)];
-    for (auto i = first + 1; i <= last; ++i) sum += variance[static_cast<std::size_t>(i)];
-    result.emplace_back(sum / static_cast<double>(last - first + 1));
-  }
-  return result;
-}
-
 void fill(const Spectra& spectra, const TransferVariances& found, const FrfEstimateOptions& options,
           FrfEstimate& estimate) {
   auto& set = estimate.set;
@@ -83,8 +69,11 @@ void fill(const Spectra& spectra, const TransferVariances& found, const FrfEstim
     set.frequency_hz(k) = spectra.hz(static_cast<std::size_t>(k));
   }
   const auto half = smoothing(options, found.total_freedom);
-  set.variance = smoothed(found.total, half);
-  set.noise_variance = smoothed(found.noise, smoothing(options, found.noise_freedom));
+  set.variance =
+      averaged_variances(found.total, set.value, half, static_cast<double>(found.total_freedom));
+  set.noise_variance =
+      averaged_variances(found.noise, set.value, smoothing(options, found.noise_freedom),
+                         static_cast<double>(found.noise_freedom));
   set.averages = found.total.empty() ? 0.0
                                      : static_cast<double>(found.total_freedom) *
                                            lines_of_variance(spectra, half, estimate.realisations);

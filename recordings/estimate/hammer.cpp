@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "recordings/constants.h"
+#include "recordings/estimate/line_variance.h"
 #include "recordings/fft.h"
 #include "recordings/frf_estimate.h"
 
@@ -149,16 +150,17 @@ modal::FrfSet empty_set(const TimeData& data, const Lines& lines, bool variance)
   return set;
 }
 
-// K×p: power that the force does not explain, S_yy − |S_fy|²/S_ff, averaged over ±half lines.
+// K×p: power that the force does not explain, S_yy − |S_fy|²/S_ff, averaged over ±half lines, where
+// noise of the force grows with |S_fy/S_ff|².
 Eigen::MatrixXd unexplained(const Sums& sums, Eigen::Index half) {
   const Eigen::MatrixXd power =
       (sums.response - sums.force.cwiseInverse().asDiagonal() * sums.cross.cwiseAbs2())
           .cwiseMax(0.0);
   Eigen::MatrixXd result(power.rows(), power.cols());
-  for (Eigen::Index k = 0; k < power.rows(); ++k) {
-    const auto first = std::max<Eigen::Index>(0, k - half);
-    const auto count = std::min(power.rows() - 1, k + half) - first + 1;
-    result.row(k) = power.middleRows(first, count).colwise().mean();
+  for (Eigen::Index i = 0; i < power.cols(); ++i) {
+    result.col(i) =
+        averaged_variances(power.col(i), sums.cross.col(i).cwiseQuotient(sums.force).cwiseAbs2(),
+                           half, std::max(1.0, sums.hits - 1.0));
   }
   return result;
 }

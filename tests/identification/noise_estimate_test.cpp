@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
 
 #include "identification/fit_data.h"
 #include "identification/identified.h"
@@ -104,6 +105,68 @@ TEST(NoiseEstimate, HoldsTheErrorThatTheModelMayHave) {
   const auto noisy = noise_estimated(of_accelerometers(0.05), 0.01);
   EXPECT_NEAR(noisy.deviation, 0.97, 0.06);
   EXPECT_GT(noisy.cost, 1.0);
+}
+
+// One response with noise of variance 1 and a mode whose half-power bandwidth is `width` lines.
+struct NarrowRecord {
+  modal::FrfSet set;
+  Eigen::MatrixXcd exact;
+};
+
+NarrowRecord narrow_record(double width, double peak, unsigned seed) {
+  constexpr Eigen::Index kLines = 121;
+  simulators::Dice dice(seed);
+  NarrowRecord made;
+  made.set.outputs.resize(1);
+  made.set.inputs.resize(1);
+  made.set.outputs[0].name = "y";
+  made.set.inputs[0].name = "u";
+  made.set.frequency_hz = Eigen::VectorXd::LinSpaced(kLines, 100.0, 100.0 + kLines - 1.0);
+  made.exact.resize(kLines, 1);
+  for (Eigen::Index k = 0; k < kLines; ++k) {
+    const double off = (static_cast<double>(k) - 60.3) / (0.5 * width);
+    made.exact(k, 0) = peak / std::complex<double>(1.0, off);
+    const std::complex<double> noise(dice.normal(), dice.normal());
+    made.set.value.push_back(
+        Eigen::MatrixXcd::Constant(1, 1, made.exact(k, 0) + std::sqrt(0.5) * noise));
+  }
+  return made;
+}
+
+// Mean over records of the estimated variance on each line; it is 1.
+struct NarrowVariances {
+  Eigen::VectorXd of_data, of_remainder;
+};
+
+NarrowVariances narrow_variances(double width, double peak) {
+  constexpr unsigned kDraws = 100;
+  NarrowVariances found;
+  for (unsigned seed = 1; seed <= kDraws; ++seed) {
+    const auto made = narrow_record(width, peak, seed);
+    const auto data = fit_data(made.set);
+    const auto again = reweighted(data, made.exact, {});
+    if (seed == 1) found.of_data = found.of_remainder = Eigen::VectorXd::Zero(data.line_count());
+    found.of_data += data.weight.col(0).cwiseAbs2().cwiseInverse() / kDraws;
+    found.of_remainder += again.weight.col(0).cwiseAbs2().cwiseInverse() / kDraws;
+  }
+  return found;
+}
+
+// A resonance of one or two lines is no noise: not after a fit, however high it is, and before it
+// not beyond a window of lines, nor by more than 2.5 times where it is 40 dB above the noise.
+TEST(NoiseEstimate, IsNotBlownUpByAResonanceOfOneLine) {
+  for (const double width : {1.0, 2.0}) {
+    for (const double peak : {1e2, 1e4}) {
+      const auto found = narrow_variances(width, peak);
+      EXPECT_NEAR(found.of_remainder.minCoeff(), 1.0, 0.15) << width << " " << peak;
+      EXPECT_NEAR(found.of_remainder.maxCoeff(), 1.0, 0.15) << width << " " << peak;
+      EXPECT_LT(found.of_data.head(35).maxCoeff(), 1.3) << width << " " << peak;
+      EXPECT_LT(found.of_data.tail(35).maxCoeff(), 1.3) << width << " " << peak;
+      if (peak < 1e3) {
+        EXPECT_LT(found.of_data.maxCoeff(), 2.5) << width;
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -133,18 +133,6 @@ TEST(FrfEstimate, TellsNoiseFromNonlinearity) {
   EXPECT_NEAR(cubic(1) / linear(1), 1.0, 0.15);  // and the noise is what it was
 }
 
-// In the middle one line spreads evenly to both sides; a constant stays one, at the ends too.
-TEST(FrfEstimate, SmoothsVariancesOverBothSides) {
-  std::vector<Eigen::MatrixXd> one_line(9, Eigen::MatrixXd::Zero(1, 1));
-  one_line[4](0, 0) = 5.0;
-  const auto spread = smoothed(one_line, 2);
-  for (std::size_t k = 0; k < spread.size(); ++k) {
-    EXPECT_DOUBLE_EQ(spread[k](0, 0), k >= 2 && k <= 6 ? 1.0 : 0.0) << k;
-  }
-  const std::vector<Eigen::MatrixXd> constant(9, Eigen::MatrixXd::Constant(1, 1, 3.0));
-  for (const auto& variance : smoothed(constant, 2)) EXPECT_DOUBLE_EQ(variance(0, 0), 3.0);
-}
-
 TEST(FrfEstimate, SaysWhatOnePeriodOrOneRealisationCannotTell) {
   const auto rig = rig_of(two_modes(), 512.0);
   const auto single = frf_estimate(virtual_experiment(rig, plan_of_seconds(1), 1, 1));
