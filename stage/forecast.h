@@ -12,8 +12,17 @@ namespace chladni::stage {
 /// for ten modes or more.
 [[nodiscard]] double modes_below(const Understood& body, double hz);
 
+/// Number of flexible modes that a study without modes.up_to computes: modes.count, or more where a
+/// higher one is expected.
+[[nodiscard]] int wanted_count(const study::Study& study);
+
 /// Number of modes that the study asks for, with the rigid-body ones; estimated for `up_to`.
 [[nodiscard]] double modes_wanted(const study::Study& study, const Understood& body);
+
+/// Warnings about flexible modes that a study with modes.up_to names by number, where about so many
+/// cannot lie below that frequency: more than twice the number that modes_below tells.
+[[nodiscard]] std::vector<std::string> unlikely_modes(const study::Study& study,
+                                                      const Understood& body);
 
 /// The `forecast` of a study with an existing mesh.
 [[nodiscard]] Cost forecast(const study::Study& study, const mesh::TetMesh& mesh,

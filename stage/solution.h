@@ -33,10 +33,6 @@ struct Solution {
   Eigen::Index degrees_of_freedom = 0;         ///< free ones
 };
 
-/// Number of flexible modes that a study without modes.up_to computes: modes.count, or more where a
-/// higher one is expected.
-[[nodiscard]] int wanted_count(const study::Study& study);
-
 /// What starts the ranks that find the modes: the user's choice, or the study's. Empty: none.
 [[nodiscard]] std::string engine_of(const study::Study& study, const Work& work);
 

@@ -29,6 +29,7 @@ constexpr double kSystemBytes = 700.0;   // stiffness and mass of a degree of fr
 constexpr double kCopiesOfShapes = 4.0;  // while modes from elsewhere are checked
 constexpr double kTimePerMode = 0.02;    // part of the total time, per mode beyond kFittedModes
 constexpr double kBelieved = 0.75;       // part of a forecast without a mesh that is believed
+constexpr double kManyMore = 2.0;        // modes_below is right within a factor of 1.5
 constexpr double kModesPerFreedom = 0.1;  // above this no mesh of any kind resolves them
 
 /// Length, width and thickness: the body's sides by size, and the thickness that fits its volume.
@@ -46,6 +47,16 @@ std::pair<double, double> plane_constants(const fem::Material& material) {
   const Eigen::Matrix<double, 6, 6> compliance = material.stiffness.inverse();
   const double mean = 0.5 * (compliance(0, 0) + compliance(1, 1));
   return {1.0 / mean, -compliance(0, 1) / mean};
+}
+
+/// The highest flexible mode whose frequency is expected; 0 for none.
+int highest_expected(const study::Study& study) {
+  int highest = 0;
+  for (const auto& expectation : study.expectations) {
+    if (!expectation.key.starts_with("frequency_")) continue;
+    highest = std::max(highest, std::stoi(expectation.key.substr(expectation.key.find('_') + 1)));
+  }
+  return highest;
 }
 
 double wafer_volume(const mesh::WaferTable& table) {
@@ -293,9 +304,33 @@ double modes_below(const Understood& body, double hz) {
   return kInPlane + std::max(beam, bending + membrane) + solid;
 }
 
+int wanted_count(const study::Study& study) {
+  return std::max(study.modes.count, highest_expected(study));
+}
+
 double modes_wanted(const study::Study& study, const Understood& body) {
-  if (!(study.modes.up_to_hz > 0.0)) return kRigid + static_cast<double>(study.modes.count);
+  if (!(study.modes.up_to_hz > 0.0)) return kRigid + static_cast<double>(wanted_count(study));
   return std::max(kRigid, modes_below(body, study.modes.up_to_hz));
+}
+
+std::vector<std::string> unlikely_modes(const study::Study& study, const Understood& body) {
+  const double up_to = study.modes.up_to_hz;
+  if (!(up_to > 0.0)) return {};
+  const double likely = std::max(1.0, modes_below(body, up_to) - kRigid);
+  std::vector<std::string> warnings;
+  const auto look = [&](const char* key, int highest) {
+    if (highest <= kManyMore * likely) return;
+    warnings.push_back(fmt::format(
+        "{}: {} asks for flexible mode {}, but only about {:.2g} lie below {:.6g} Hz; raise "
+        "modes.up_to if there are fewer",
+        study.file.string(), key, highest, likely, up_to));
+  };
+  if (const auto& plan = study.placement; plan && !plan->modes.empty()) {
+    look("placement.modes", *std::max_element(plan->modes.begin(), plan->modes.end()));
+  }
+  if (study.priors) look("priors.modes", study.priors->modes);
+  look("expect", highest_expected(study));
+  return warnings;
 }
 
 Cost forecast(const study::Study& study, const Outline& outline) {

@@ -162,15 +162,6 @@ void warn_of_modes(const study::Study& study, Solution& solution, Work& work) {
 
 }  // namespace
 
-int wanted_count(const study::Study& study) {
-  int count = study.modes.count;
-  for (const auto& expectation : study.expectations) {
-    if (!expectation.key.starts_with("frequency_")) continue;
-    count = std::max(count, std::stoi(expectation.key.substr(expectation.key.find('_') + 1)));
-  }
-  return count;
-}
-
 std::string engine_of(const study::Study& study, const Work& work) {
   return work.choices().engine.empty() ? study.modes.engine : work.choices().engine;
 }
@@ -200,10 +191,14 @@ Introduction introduced(const study::Study& study, Work& work) {
   introduction.cost = forecast(study, introduction.outline);
   work.show(introduction.body.line() + "\n");
   for (const auto& note : introduction.outline.notes) work.note(note);
+  const auto warn = [&](const std::string& warning) {
+    introduction.warnings.push_back(warning);
+    work.warn(warning);
+  };
   for (const auto& warning : implausible(introduction.body)) {
-    introduction.warnings.push_back(study.file.string() + ": " + warning);
-    work.warn(introduction.warnings.back());
+    warn(study.file.string() + ": " + warning);
   }
+  for (const auto& warning : unlikely_modes(study, introduction.body)) warn(warning);
   return introduction;
 }
 

@@ -107,6 +107,22 @@ void look_for_files(const study::Study& study, stage::Work& work) {
   problems.throw_if_any();
 }
 
+// What is wrong with the body does not hide what is wrong with the files: both are told.
+stage::Introduction introduced_beside_files(const study::Study& study, bool data,
+                                            stage::Work& work) {
+  try {
+    return stage::introduced(study, work);
+  } catch (const InvalidInput& of_body) {
+    if (!data) throw;
+    try {
+      look_for_files(study, work);
+    } catch (const InvalidInput& of_files) {
+      throw InvalidInput(fmt::format("{}\n{}", of_body.what(), of_files.what()));
+    }
+    throw;
+  }
+}
+
 // Points at which motions are asked for must be on the body.
 void require_points(const study::Study& study, const mesh::TetMesh& body) {
   std::optional<mesh::SiteFinder> finder;
@@ -139,7 +155,7 @@ void require_points(const study::Study& study, const mesh::TetMesh& body) {
 }  // namespace
 
 stage::Introduction checked(const study::Study& study, bool data, stage::Work& work) {
-  auto introduction = stage::introduced(study, work);
+  auto introduction = introduced_beside_files(study, data, work);
   const auto& shell = introduction.outline.shell;
   const auto round = stage::rounded_outline(study, introduction.outline);
   const auto& body = round ? *round : shell;

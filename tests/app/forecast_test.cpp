@@ -42,11 +42,12 @@ class Before : public ::testing::Test {
       what = e.what();
     }
     shown_ = quiet.shown();
+    said_ = quiet.said();
     return what;
   }
 
   TestFolder folder_{"forecast"};
-  std::string shown_;
+  std::string shown_, said_;
 };
 
 // Flexible frequencies of a free square plate and of a strip
@@ -151,6 +152,33 @@ TEST_F(Before, CheckFindsModesThatWillNotBeThere) {
   EXPECT_EQ(refusal(below + "up_to = \"5 kHz\"\n"), "");
 }
 
+// How many lie below a frequency is known only after the solution, and about before it.
+TEST_F(Before, CheckWarnsOfModesThatAreUnlikelyBelowAFrequency) {
+  const std::string below = kSmall + "modes = { up_to = \"5 kHz\" }\n";
+  const auto warnings = [&](const std::string& text) {
+    const study::Study one = study_of(below + text);
+    return stage::unlikely_modes(one, stage::understood(one, stage::outline_of(one)));
+  };
+  for (const auto* text : {"[placement]\nmodes = [1, 99]\n", "[priors]\nmodes = 99\n",
+                           "[expect]\nfrequency_99 = { value = \"4 kHz\", within = \"1 %\" }\n"}) {
+    ASSERT_EQ(warnings(text).size(), 1U) << text;
+    EXPECT_TRUE(says(warnings(text).front(), "asks for flexible mode 99, but only about"));
+    EXPECT_EQ(refusal(below + text), "") << text;
+    EXPECT_TRUE(says(said_, "asks for flexible mode 99, but only about")) << text;
+  }
+  EXPECT_TRUE(warnings("[placement]\nmodes = [1, 2]\n").empty());
+}
+
+// A mode that is expected is computed, and counts in the forecast.
+TEST_F(Before, TheForecastCountsModesThatAreExpected) {
+  const auto modes = [&](const std::string& text) {
+    const study::Study one = study_of(kSmall + "modes = { count = 4 }\n" + text);
+    return stage::modes_wanted(one, stage::understood(one, stage::outline_of(one)));
+  };
+  EXPECT_EQ(modes(""), 10.0);
+  EXPECT_EQ(modes("[expect]\nfrequency_30 = { value = \"9 kHz\", within = \"50 %\" }\n"), 36.0);
+}
+
 TEST_F(Before, CheckFindsDataThatAreNotThere) {
   const std::string channel =
       "[[sensor]]\nname = \"s\"\nat = [\"0 mm\", \"0 mm\"]\ndirection = \"z\"\n";
@@ -192,6 +220,13 @@ TEST_F(Before, CheckLooksIntoTheStudiesThatAreNamed) {
       << "extends = \"study.toml\"\n[measurement]\nmodes = \"gone.csv\"\n";
   std::ofstream(folder_.path() / "study.toml") << series;
   EXPECT_TRUE(says(refusal(series), "one.toml:3:9: measurement.modes \"gone.csv\" does not exist"));
+}
+
+TEST_F(Before, CheckTellsOfFilesBesideWhatTheBodyLacks) {
+  const auto text =
+      refusal(kSmall + "[placement]\non = [\"nix\"]\n[measurement]\ntruth = \"gone.toml\"\n");
+  EXPECT_TRUE(says(text, "the body has no patch \"nix\""));
+  EXPECT_TRUE(says(text, "study.toml:7:9: measurement.truth \"gone.toml\" does not exist"));
 }
 
 TEST_F(Before, CheckFindsAFolderWhereAFileIsExpected) {
