@@ -20,6 +20,8 @@ struct ModeConstants {
   double nearby = 0.15;
   /// [ln] Modes nearer than this mix as if they were so far apart. Chosen.
   double least_gap = 0.02;
+  /// [1] Damping that two modes share, over their own: sqrt(c_kk c_ll) at most. Chosen: half.
+  double damping_coupling = 0.5;
   /// [1] Gains or places may scatter so many times less without one bad channel. Chosen.
   double scattered = 4.0;
   /// [1] Levels that are lower, but by no less than this, are not looked at by themselves. Chosen.

@@ -46,7 +46,7 @@ struct ModeBlock {
   Eigen::VectorXd noise;       ///< n: standard deviations of the measurement
   std::vector<int> of;         ///< n: class of the number's own error; −1: none
   std::vector<double> weight;  ///< n: the number's own error, over the level of its class
-  Eigen::MatrixXd free;        ///< n×c: errors of unit deviation, such as the mode's scale
+  Eigen::MatrixXd free;  ///< n×c: errors of unit deviation: the mode's scale, what damping mixes
   /// n×d: share of the modes nearby in this one, for an error of frequency of 1.
   Eigen::MatrixXd mixed;
   /// n×d: smooth errors of the shape, for a level of 1; the class of each column.

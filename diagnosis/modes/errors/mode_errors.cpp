@@ -8,6 +8,7 @@
 
 #include "base/index.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/modes/errors/mixing_modes.h"
 #include "diagnosis/modes/errors/mode_change.h"
 #include "diagnosis/modes/errors/mode_rows.h"
 #include "diagnosis/modes/partner.h"
@@ -127,31 +128,24 @@ void put_body_errors(Rows& rows, const Place& place, const VectorXd& parts, cons
   }
 }
 
-// The modes near mode k that mix with it.
-std::vector<Index> nearby(const RecordedModes& model, Index k) {
-  std::vector<Index> all;
-  for (Index l = 0; l < model.count(); ++l) {
-    const double apart = std::abs(std::log(model.frequency_hz(l) / model.frequency_hz(k)));
-    if (l != k && apart < kConstants.nearby) all.push_back(l);
-  }
-  return all;
-}
-
-// What the modes nearby add, for an error of frequency of 1.
-void put_mixed(Rows& rows, const Place& place, Index k, const std::vector<Index>& near,
+// What the modes that mix with this one add: to the real parts, or to the imaginary parts.
+enum class Mixed { by_stiffness, by_damping };
+void put_mixed(Rows& rows, const Place& place, Mixed by, const std::vector<MixingMode>& modes,
                const Scene& scene) {
+  const bool real = by == Mixed::by_stiffness;
   const auto& shapes = place.is_sensor ? scene.model.outputs : scene.model.inputs;
   const double square = square_of(place.side);
-  for (std::size_t l = 0; l < near.size(); ++l) {
+  const auto number = [&](Index row, Index column) -> double& {
+    return real ? rows.mixed(row, column) : rows.damped(row + 1, column);
+  };
+  for (std::size_t l = 0; l < modes.size(); ++l) {
     const auto column = static_cast<Index>(l);
-    const double apart =
-        std::abs(std::log(scene.model.frequency_hz(near[l]) / scene.model.frequency_hz(k)));
-    const double part = 1.0 / std::max(apart, kConstants.least_gap) - 1.0 / kConstants.nearby;
     for (Index a = 0; a < place.side.count(); ++a) {
-      const double change = part * shapes(place.side.rows[at(a)], near[l]) * place.side.recorded(a);
-      if (place.first >= 0) rows.mixed(place.first + 2 * a, column) += change;
+      const double change =
+          modes[l].part * shapes(place.side.rows[at(a)], modes[l].mode) * place.side.recorded(a);
+      if (place.first >= 0) number(place.first + 2 * a, column) += change;
       if (place.residue >= 0) {
-        rows.mixed(place.residue, column) += place.side.model(a) * change / square;
+        number(place.residue, column) += place.side.model(a) * change / square;
       }
     }
   }
@@ -252,14 +246,15 @@ void doubt(Rows& rows, const Place& place, const Disturbed& disturbed) {
 }
 
 // The numbers of a mode that has a partner.
-ModeBlock paired(const Scene& scene, Index i, const std::vector<Index>& span,
+ModeBlock paired(const Scene& scene, Index i, const Matching& matching,
                  const Disturbed& disturbed) {
   const auto& [structure, measured, model, units, smooth, columns, changes] = scene;
-  const Index k = span.front();
-  const Partner other = partner(measured, model, units, i, span);
-  const auto near = nearby(model, k);
+  const Index k = matching.model[at(i)];
+  const Partner other = partner(measured, model, units, i, matching.span[at(i)]);
+  const auto stiffness = mixed_by_stiffness(model, k);
+  const auto damping = mixed_by_damping(measured, model, matching, i);
   const VectorXd motion = model.motion * other.parts;
-  Rows rows(most_rows(measured), columns.count(), static_cast<Index>(near.size()),
+  Rows rows(most_rows(measured), columns.count(), std::ssize(stiffness), std::ssize(damping),
             scene.smooth.cols());
   const Index frequency = rows.add(std::log(measured.frequency_hz(i) / model.frequency_hz(k)),
                                    measured.frequency_std(i), of(ErrorClass::frequency));
@@ -280,7 +275,8 @@ ModeBlock paired(const Scene& scene, Index i, const std::vector<Index>& span,
   for (const bool is_sensor : {true, false}) {
     const Place place{is_sensor ? other.sensors : other.actuators, is_sensor,
                       is_sensor ? first_out : first_in, residue};
-    put_mixed(rows, place, k, near, scene);
+    put_mixed(rows, place, Mixed::by_stiffness, stiffness, scene);
+    put_mixed(rows, place, Mixed::by_damping, damping, scene);
     put_smooth(rows, place, scene);
     put_channel_errors(rows, place, motion, scene);
     put_body_errors(rows, place, other.parts, scene);
@@ -292,7 +288,7 @@ ModeBlock paired(const Scene& scene, Index i, const std::vector<Index>& span,
 // The numbers of a mode without a partner: they are as wide as such numbers can be.
 ModeBlock alone(const Scene& scene, Index i) {
   const auto& measured = scene.measured;
-  Rows rows(most_rows(measured), scene.columns.count(), 0, 0);
+  Rows rows(most_rows(measured), scene.columns.count(), 0, 0, 0);
   rows.add(kConstants.alone_frequency, kConstants.alone_frequency, kNone);
   if (scene.has_damping(i)) rows.add(1.0, 1.0, kNone);
   const auto put = [&](const Eigen::MatrixXcd& shapes) {
@@ -371,7 +367,7 @@ ModeErrors mode_errors(const Structure& structure, const MeasuredModes& measured
     const bool doubted = disturbed.what == Disturbed::What::mode && disturbed.index == i;
     if (k < 0 && !doubted) errors.penalty += kConstants.alone;
     errors.blocks.push_back(k < 0 || doubted ? alone(scene, i)
-                                             : paired(scene, i, matching.span[at(i)], disturbed));
+                                             : paired(scene, i, matching, disturbed));
   }
   errors.penalty += kConstants.unmeasured * unseen(bare, matching);
   return errors;

@@ -12,11 +12,13 @@ namespace chladni::diagnosis {
 /// Fills the rows of a block from its first to its last.
 class Rows {
  public:
-  Rows(Eigen::Index most, Eigen::Index shared, Eigen::Index nearby, Eigen::Index smooth) {
+  /// @param stiffness, damping  numbers of modes that mix with this one by these
+  Rows(Eigen::Index most, Eigen::Index shared, Eigen::Index stiffness, Eigen::Index damping,
+       Eigen::Index smooth) {
     block_.error = Eigen::VectorXd::Zero(most);
     block_.noise = Eigen::VectorXd::Zero(most);
-    block_.free = Eigen::MatrixXd::Zero(most, 4);
-    block_.mixed = Eigen::MatrixXd::Zero(most, nearby);
+    block_.free = Eigen::MatrixXd::Zero(most, kFactors + damping);
+    block_.mixed = Eigen::MatrixXd::Zero(most, stiffness);
     block_.shared = Eigen::MatrixXd::Zero(most, shared);
     block_.smooth = Eigen::MatrixXd::Zero(most, 2 * smooth);
     for (Eigen::Index c = 0; c < 2 * smooth; ++c) {
@@ -35,6 +37,10 @@ class Rows {
   }
   [[nodiscard]] double& free(Eigen::Index row, Eigen::Index column) {
     return block_.free(row, column);
+  }
+  /// Part of mode number `column` of those that damping mixes.
+  [[nodiscard]] double& damped(Eigen::Index row, Eigen::Index column) {
+    return block_.free(row, kFactors + column);
   }
   [[nodiscard]] double& mixed(Eigen::Index row, Eigen::Index column) {
     return block_.mixed(row, column);
@@ -58,6 +64,8 @@ class Rows {
   }
 
  private:
+  static constexpr Eigen::Index kFactors =
+      4;  // complex ones of the shapes at sensors and actuators
   ModeBlock block_;
   Eigen::Index used_ = 0;
 };

@@ -1,0 +1,42 @@
+#include "diagnosis/modes/errors/mixing_modes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/index.h"
+#include "diagnosis/constants.h"
+
+namespace chladni::diagnosis {
+
+using Eigen::Index;
+
+std::vector<MixingMode> mixed_by_stiffness(const RecordedModes& model, Index k) {
+  std::vector<MixingMode> all;
+  for (Index l = 0; l < model.count(); ++l) {
+    const double gap = std::abs(std::log(model.frequency_hz(l) / model.frequency_hz(k)));
+    if (l == k || gap >= kConstants.nearby) continue;
+    all.push_back({l, 1.0 / std::max(gap, kConstants.least_gap) - 1.0 / kConstants.nearby});
+  }
+  return all;
+}
+
+std::vector<MixingMode> mixed_by_damping(const MeasuredModes& measured, const RecordedModes& model,
+                                         const Matching& matching, Index i) {
+  const auto ratio_of = [&](Index mode) {
+    const double ratio = measured.damping_ratio(mode);
+    return ratio > 0.0 ? ratio : std::max(0.0, model.damping_ratio(matching.model[at(mode)]));
+  };
+  std::vector<MixingMode> all;
+  const Index k = matching.model[at(i)];
+  for (Index j = 0; j < measured.count(); ++j) {
+    const Index l = matching.model[at(j)];
+    if (l < 0 || l == k) continue;
+    const double gap = std::abs(std::log(measured.frequency_hz(j) / measured.frequency_hz(i)));
+    const double coupled = kConstants.damping_coupling * std::max(ratio_of(i), ratio_of(j));
+    const double part = coupled / std::max(gap, coupled) - coupled / kConstants.nearby;
+    if (gap < kConstants.nearby && part > 0.0) all.push_back({l, part});
+  }
+  return all;
+}
+
+}  // namespace chladni::diagnosis
