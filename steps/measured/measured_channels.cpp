@@ -16,15 +16,14 @@ namespace {
 using Index = Eigen::Index;
 using modal::MeasuredChannel;
 
-constexpr double kOblique = 0.01;  // [rad]: two directions that differ less are the same
-
 enum class Along { same, opposite, across, oblique, not_stated };
 
 Along compared(const Eigen::Vector3d& stated, const Eigen::Vector3d& wanted) {
   if (!stated.any()) return Along::not_stated;
   const double along = stated.dot(wanted);
-  if (stated.cross(wanted).norm() <= kOblique) return along > 0.0 ? Along::same : Along::opposite;
-  return std::abs(along) <= kOblique ? Along::across : Along::oblique;
+  if (stated.cross(wanted).norm() <= kObliqueChannel)
+    return along > 0.0 ? Along::same : Along::opposite;
+  return std::abs(along) <= kObliqueChannel ? Along::across : Along::oblique;
 }
 
 bool is_parallel(Along along) { return along == Along::same || along == Along::opposite; }

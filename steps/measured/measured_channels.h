@@ -10,6 +10,9 @@
 
 namespace chladni::steps {
 
+/// [rad]: two directions of a channel that differ less are the same.
+inline constexpr double kObliqueChannel = 0.01;
+
 /// A channel of the study and its index in the file.
 struct MatchedChannel {
   const study::Channel* channel = nullptr;

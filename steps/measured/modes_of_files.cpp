@@ -78,8 +78,7 @@ struct AtNode {
 // A name such as "126z" states an axis, which is then the channel's, up to the sign.
 void require_axis(const study::Channel& channel, const Eigen::Vector3d& named,
                   const std::string& file) {
-  constexpr double kOblique = 0.01;  // [rad], as for channels of responses
-  require(named.cross(channel.direction).norm() <= kOblique,
+  require(named.cross(channel.direction).norm() <= kObliqueChannel,
           fmt::format("{}: \"{}\" is along ({:.4g}, {:.4g}, {:.4g}) by its name and along ({:.4g}, "
                       "{:.4g}, {:.4g}) in the study; correct the study's direction, or give the "
                       "sensor another name and its node",

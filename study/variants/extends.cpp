@@ -162,7 +162,9 @@ WholeDocument with_bases(TomlNode own, const fs::path& file, const BaseReader& r
     put_at(base, *extends);
     extending.push_back(std::exchange(whole.tree, std::move(base)));
   }
-  for (const auto& own : extending | std::views::reverse) merge(whole.tree, own, file.string());
+  for (const auto& later : extending | std::views::reverse) {
+    merge(whole.tree, later, file.string());
+  }
   return whole;
 }
 

@@ -25,8 +25,8 @@ const Material kAluminium = isotropic(70e9, 0.33, 2700.0);
 
 struct Body {
   mesh::TetMesh mesh;
-  std::vector<Attachment> attachments;
-  std::vector<Support> supports;
+  std::vector<Attachment> attachments = {};
+  std::vector<Support> supports = {};
   Material material = kAluminium;
 
   [[nodiscard]] System system() const { return assemble(mesh, {material}, supports, attachments); }

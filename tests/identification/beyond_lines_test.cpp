@@ -127,7 +127,7 @@ TEST_P(ModesAbove, NeedNotEveryResponse) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bodies, ModesAbove, testing::Values("beam", "plate"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& one) { return std::string(one.param); });
 
 TEST(BeyondLines, AModeWithoutAPeakHasNoResonance) {
   const auto data = fit_data(record(many_modes("beam", 1), 0.01, 1));

@@ -38,7 +38,7 @@ TEST_P(ComplexModesOfARig, HaveTheResponsesOfTheirCost) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bodies, ComplexModesOfARig, testing::Values("strip", "ell"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& one) { return std::string(one.param); });
 
 // A start that keeps what is fitted ends no higher, by itself and beside one more mode. Fitted anew
 // from the poles alone complex residues have no single direction, and the cost became 1e8 times

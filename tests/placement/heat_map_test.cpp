@@ -201,7 +201,8 @@ TEST(BestPairs, TakeOneMemberOfTheEnsembleAfterTheOther) {
   sites.whole.assign(kPlaces, 1);
   sites.shapes.resize(kPlaces, kModes);
   for (Eigen::Index j = 0; j < kModes; ++j) {
-    sites.shapes.col(j) = ((1.0 + j) * 3.0 * sites.position.col(0).array()).sin();
+    sites.shapes.col(j) =
+        ((1.0 + static_cast<double>(j)) * 3.0 * sites.position.col(0).array()).sin();
   }
   sites.slopes = Eigen::MatrixXd::Ones(kPlaces, kModes);
   Structure structure;

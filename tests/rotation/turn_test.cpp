@@ -40,7 +40,8 @@ TEST(Turn, IsAlwaysWhereAllAreAsked) {
 
 TEST(Turn, SaysWhyATestIsSkipped) {
   const auto why = why_skipped();
-  if (!why.empty()) EXPECT_NE(why.find("CHLADNI_STUDIES=all"), std::string::npos);
+  if (why.empty()) return;
+  EXPECT_NE(why.find("CHLADNI_STUDIES=all"), std::string::npos);
 }
 
 }  // namespace

@@ -214,8 +214,8 @@ TEST(ComparedModes, ExchangedModesAndNewOnesAreTold) {
   measured.frequency_hz(first + 3) *= 1.01;
   const auto without = [](const modal::ReducedModel& of, Eigen::Index gone) {
     std::vector<Eigen::Index> kept;
-    for (Eigen::Index k = 0; k < of.mode_count(); ++k) {
-      if (k != gone) kept.push_back(k);
+    for (Eigen::Index i = 0; i < of.mode_count(); ++i) {
+      if (i != gone) kept.push_back(i);
     }
     auto result = of;
     result.frequency_hz = of.frequency_hz(kept);

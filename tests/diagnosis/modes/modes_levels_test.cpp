@@ -111,13 +111,15 @@ double dense_negative_log(const MatrixXd& covariance, const VectorXd& error) {
 ModeErrors plain(const VectorXd& error, int of) {
   ModeErrors errors;
   for (const double one : error) {
-    errors.blocks.push_back({VectorXd::Constant(1, one),
-                             VectorXd::Zero(1),
-                             {of},
-                             {1.0},
-                             MatrixXd(1, 0),
-                             MatrixXd(1, 0),
-                             MatrixXd(1, 0)});
+    ModeBlock block;
+    block.error = VectorXd::Constant(1, one);
+    block.noise = VectorXd::Zero(1);
+    block.of = {of};
+    block.weight = {1.0};
+    for (auto* columns : {&block.free, &block.mixed, &block.smooth, &block.shared}) {
+      columns->resize(1, 0);
+    }
+    errors.blocks.push_back(std::move(block));
   }
   return errors;
 }
