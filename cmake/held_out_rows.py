@@ -42,8 +42,12 @@ STUDIES = [
      "modes = 12\nrigid_body_modes = 3\nsanathanan_koerner = 20"),
 ]
 MEASURED = "modes = 19"
-# What --check takes: study or left-out sensor, and the ways whose order is asserted.
-CHECKED = [("default", "dynamic_residual"), ("thesis", "thin_plate_spline")]
+# What --check takes: studies and left-out sensors, and the ways whose order is asserted.
+CHECKED = {
+    "beam 2 x 4": [("default", "dynamic_residual"), ("thesis", "thin_plate_spline")],
+    # No pair tells its gains: the simulation does.
+    "OAT without s4": [("default", "dynamic_residual"), ("thesis", "dynamic_residual")],
+}
 # The thesis' fit of y5 turns on the last bits: its row is off by 6.3 % or 61 %.
 CHECKED_MEASURED = {"y3": [("default", "dynamic_residual"), ("thesis", "squared_exponential")],
                     "y5": [("default", "dynamic_residual")]}
@@ -124,7 +128,8 @@ def variant(study, target, path, method, hold_out=None):
     text = text.replace("[identification]\n", f"[identification]\n{path}\n")
     text = text.replace("stabilisation = 30\n", "")
     if 'method = "thesis"' in path:
-        text = re.sub(r'\ndamping +=[^\n]*', "", text)  # it has real modes
+        # It has real modes, and weighs no line by an error of the model.
+        text = re.sub(r"\n(damping|model_error) *=[^\n]*", "", text)
     target.write_text(text + f'\n[interpolation]\nmethods = ["{method}"]\n', encoding="utf-8")
 
 
@@ -280,7 +285,11 @@ def band_faults(found, page):
 
 def check(page, chladni, models, folder, data):
     said = page_rows(page)
-    wrong = faults(STUDIES[0][0], study_rows(chladni, models, folder, STUDIES[0], CHECKED), said)
+    wrong = []
+    for entry in STUDIES:
+        ways = CHECKED.get(entry[0])
+        if ways:
+            wrong += faults(entry[0], study_rows(chladni, models, folder, entry, ways), said)
     if data and data.exists():
         for sensor, ways in CHECKED_MEASURED.items():
             rows = measured_rows(chladni, models, folder, data, sensor, ways)
