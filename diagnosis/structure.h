@@ -112,6 +112,14 @@ struct Directional {
   Eigen::MatrixXd along_u, along_v, across, shear;
 };
 
+/// First-order changes of what the study attaches to the body, per relative growth of the body
+/// along u and v about the middle of BodyCells' box: r×r each, or 0×0 for none. The shapes grow
+/// with the body. What is attached keeps its place in space, so it moves on the body, and the body
+/// turns less beneath it. The flexibility of the modes above is left out.
+struct BeneathAttached {
+  Eigen::MatrixXd springs, masses, dashpots;  ///< [s^-2], [1], [1/s]
+};
+
 /// A simulation in r modes: rigid-body modes first, then flexible modes to well above the band (two
 /// to three times), mass-normalised. The r modes are the coordinates of every hypothesis.
 struct Structure {
@@ -123,6 +131,8 @@ struct Structure {
   /// Parts that the study attaches to the body, contained in diag(ω²) [s^-2] and 1: r×r, or 0×0 for
   /// none. An effect that scales the body does not change them.
   Eigen::MatrixXd springs, masses;
+  /// Changes of springs, masses and dashpots on a larger body; without them they move with it.
+  BeneathAttached grown;
   /// r×r, or 0×0 for none [s^-2]: added to diag(ω²), so that the modes are those of a reference.
   Eigen::MatrixXd correction;
   Eigen::Index rigid_count = 0;
@@ -142,8 +152,9 @@ struct Structure {
   [[nodiscard]] Eigen::Index input_count() const { return inputs.count(); }
 };
 
-/// c: −1 for each channel of the side whose direction is against the normal of the chart, 1 for the
-/// others. Its shapes are compared with those of the nearest place of the scan.
+/// c: −1 for each channel of the side that points against the normal of the chart, by a cosine
+/// beyond Constants::against_normal; 1 for the others. A side that states no directions is judged
+/// by its shapes, beside those of the nearest place of the scan.
 [[nodiscard]] Eigen::VectorXd signs_along_normal(const Structure& structure,
                                                  const ChannelSide& side);
 

@@ -18,7 +18,8 @@ inline constexpr int kDiagnosisModes = 64;
 /// The solution's modes up to three times `high_hz` (at least the 12 lowest flexible ones; no
 /// repeated mode is cut; infinite: all), with the static flexibility of the others at the channels.
 /// The modes include what the study attaches to its body; Structure::springs and masses contain its
-/// stiffness and mass. The mesh error of each frequency is the solution's estimate.
+/// stiffness and mass, and Structure::grown what these are on a larger body. The mesh error of each
+/// frequency is the solution's estimate.
 ///
 /// The faces are those of `[diagnosis] on` (stage/diagnosis_faces.h). For a plate it
 /// is the top, with u = x and v = y of the body's own frame. The uppermost face counts. Slopes are

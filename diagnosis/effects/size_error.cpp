@@ -45,6 +45,14 @@ std::vector<ChannelChange> moved(const Structure& structure, double longer) {
   return changes;
 }
 
+// What the study attaches keeps its place, too: on the body it moves by (1/λ - 1) of its place, and
+// its turns go as 1/λ. Both follow to first order.
+void leave_in_space(State& state, const BeneathAttached& grown, double by) {
+  if (grown.springs.size() > 0) attach_stiffness(state, by * grown.springs);
+  if (grown.masses.size() > 0) attach_mass(state, by * grown.masses);
+  if (grown.dashpots.size() > 0) attach_damping(state, by * grown.dashpots);
+}
+
 // w(x/λ): curvatures go as λ^-2, slopes as 1/λ, areas as λ². Shear stiffness and rotary inertia do
 // not change.
 std::function<void(State&)> stretching(const Structure& structure, Index /*option*/,
@@ -55,11 +63,13 @@ std::function<void(State&)> stretching(const Structure& structure, Index /*optio
   return [area, shear = all_of(structure.cells.shear, 1.0 - 1.0 / area, r),
           turning = all_of(structure.cells.rotary, 1.0 - area, r),
           outputs = moved<Side::sensors>(structure, longer),
-          inputs = moved<Side::actuators>(structure, longer)](State& state) {
+          inputs = moved<Side::actuators>(structure, longer), grown = structure.grown,
+          by = 1.0 - 1.0 / longer](State& state) {
     scale_stiffness(state, 1.0 / area);
     scale_mass(state, area);
     state.stiffness += shear;
     state.mass += turning;
+    leave_in_space(state, grown, by);
     for (std::size_t i = 0; i < outputs.size(); ++i) {
       move_channel(state, Side::sensors, static_cast<Index>(i), outputs[i]);
     }
@@ -84,7 +94,7 @@ std::vector<EffectStart> size_steps(const Scene& scene) {
 constinit const Effect size_error{
     .name = "size_error",
     .summary = "the body is longer and wider than its drawing, or smaller",
-    .source = "K as 1/l^2 but for shear, M as l^2; channels stay where they are",
+    .source = "K as 1/l^2 but for shear, M as l^2; channels and attached parts stay where they are",
     .confusable = "modulus and density together: measure it",
     .parameters = relative_size,
     .options = size_bends,

@@ -65,6 +65,17 @@ void check_fine(const FineCells& fine, const ChannelSide& outputs, Eigen::Index 
   }
 }
 
+// Cosine between the shapes of channel i and those along the normal at the nearest place; 0 where
+// either moves in no mode.
+double cosine_by_shapes(const Surface& surface, const ChannelSide& side, Eigen::Index i) {
+  Eigen::Index nearest = 0;
+  (surface.places.rowwise() - side.places.row(i)).rowwise().squaredNorm().minCoeff(&nearest);
+  const auto own = side.shapes.row(i);
+  const auto there = surface.shapes.row(nearest);
+  const double most = own.norm() * there.norm();
+  return most > 0.0 ? own.dot(there) / most : 0.0;
+}
+
 }  // namespace
 
 ChannelSide part_of(const ChannelSide& side, const std::vector<Eigen::Index>& rows) {
@@ -89,14 +100,11 @@ ChannelSide part_of(const ChannelSide& side, const std::vector<Eigen::Index>& ro
 
 Eigen::VectorXd signs_along_normal(const Structure& structure, const ChannelSide& side) {
   const auto& surface = structure.surface;
+  const bool is_stated = side.directions.rows() > 0;
   Eigen::VectorXd signs = Eigen::VectorXd::Ones(side.count());
-  for (Eigen::Index i = 0; i < signs.size() && surface.count() > 0; ++i) {
-    Eigen::Index nearest = 0;
-    (surface.places.rowwise() - side.places.row(i)).rowwise().squaredNorm().minCoeff(&nearest);
-    const auto own = side.shapes.row(i);
-    const auto there = surface.shapes.row(nearest);
-    const double most = own.norm() * there.norm();
-    if (own.dot(there) < -kConstants.against_normal * most) signs(i) = -1.0;
+  for (Eigen::Index i = 0; i < signs.size() && (is_stated || surface.count() > 0); ++i) {
+    const double along = is_stated ? side.directions(i, 2) : cosine_by_shapes(surface, side, i);
+    if (along < -kConstants.against_normal) signs(i) = -1.0;
   }
   return signs;
 }
@@ -117,6 +125,10 @@ void check(const Structure& structure) {
   }
   for (const auto* attached : {&structure.dashpots, &structure.springs, &structure.masses}) {
     if (attached->size() > 0) fits(*attached, r, r, "what is attached to the body");
+  }
+  const auto& grown = structure.grown;
+  for (const auto* change : {&grown.springs, &grown.masses, &grown.dashpots}) {
+    if (change->size() > 0) fits(*change, r, r, "what is attached to a larger body");
   }
   if (structure.correction.size() > 0) fits(structure.correction, r, r, "corrected stiffness");
   check_side(structure.outputs, r, "sensors");

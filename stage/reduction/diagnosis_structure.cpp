@@ -10,6 +10,7 @@
 #include "stage/diagnosis_faces.h"
 #include "stage/plane_stress.h"
 #include "stage/reduction/body_cells.h"
+#include "stage/reduction/grown_body.h"
 #include "stage/reduction/modal_stiffness.h"
 #include "stage/reduction/upper_face.h"
 
@@ -170,6 +171,7 @@ diagnosis::Structure structure_of(const study::Study& study, const Solution& sol
     structure.dashpots = reduced.dampers.shapes.transpose() * reduced.dampers.shapes;
   }
   add_attached(model, modes, structure);
+  structure.grown = beneath_attached(solution, count, chart);
   structure.outputs = side_of(study.sensors, model.sensors, finder, chart, modes);
   structure.inputs = side_of(study.actuators, model.actuators, finder, chart, modes);
   structure.outputs.upper = upper_rows(study.sensors, model.sensors, beyond);

@@ -52,10 +52,14 @@ bool is_of_modes(const diagnosis::Cause& cause) {
   });
 }
 
-// Damping of all modes comes first. A channel has another name after an exchange.
+bool is_of_size(const diagnosis::Cause& cause) { return cause.effect == "size_error"; }
+
+// Damping of all modes comes first. A channel has another name after an exchange. Places follow
+// the size of the body.
 std::vector<diagnosis::Cause> in_order(std::vector<diagnosis::Cause> causes) {
   std::ranges::stable_partition(causes, is_of_modes);
   if (std::ranges::any_of(causes, is_exchange)) std::ranges::stable_sort(causes, {}, turn_of);
+  std::ranges::stable_partition(causes, is_of_size);
   return causes;
 }
 
@@ -67,11 +71,12 @@ ExtendedStudy extended_study(std::string_view bytes, const fs::path& file,
                              const std::vector<fs::path>& allowed, bool fits_variations,
                              const DiagnosedOn& on) {
   ExtendedStudy result{std::string(bytes), {}};
+  double growth = 0.0;
   for (const auto& cause : in_order(causes)) {
     // One cause after the other: each starts from the text that the one before left.
     const study::Study study = study::parse_study(result.text, file, allowed);
     study::TomlEdit edit(result.text, file.string());
-    const Extension by{edit, study, chart, cause, fits_variations, on};
+    const Extension by{edit, study, chart, cause, fits_variations, on, growth};
     const auto refused = extend(cause.effect)(by);
     if (!refused.empty()) {
       result.unexpressed.push_back(cause.effect + ": " + refused);
@@ -81,6 +86,7 @@ ExtendedStudy extended_study(std::string_view bytes, const fs::path& file,
       continue;
     }
     result.text = edit.text();
+    if (is_of_size(cause)) growth += by.number("relative");
   }
   static_cast<void>(study::parse_study(result.text, file, allowed));
   study::TomlEdit edit(result.text, file.string());

@@ -31,7 +31,8 @@ struct DiagnosedOn {
 /// The study in `bytes`, with its comments and with the causes as entries. Attachments are
 /// appended. Values of materials, geometry and channels are changed in place. A comment above each
 /// change names the cause, its numbers and deviations, and the old value. Causes without a key are
-/// named in a comment at the end and in `unexpressed`. The damping of all modes comes first. Where
+/// named in a comment at the end and in `unexpressed`. The size of the body comes first, for places
+/// of causes are those on the body as drawn and move with it; then the damping of all modes. Where
 /// labels are exchanged, causes of the channels themselves come first, then the exchanges, then
 /// causes of the records: so a name means what it means in the diagnosis.
 ///

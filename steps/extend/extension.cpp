@@ -104,6 +104,7 @@ std::string place(const Extension& by) {
   if (!looks_down(by) && by.on.height) {
     point += by.on.height(at).value_or(0.0) * by.chart.axis_u.cross(by.chart.axis_v);
   }
+  point.head<2>() *= 1.0 + by.growth;  // bodies that grow have their middle at the origin
   return place(study::Place{point, looks_down(by)});
 }
 

@@ -19,6 +19,9 @@ struct Extension {
   const diagnosis::Cause& cause;
   bool fits_variations = true;  ///< the chart's axes are those of [[variation]]
   const DiagnosedOn& on;        ///< what the diagnosis had
+  /// Relative growth of the body along x and y by another cause. The place of a cause is one of the
+  /// body as drawn, and moves with it.
+  double growth = 0.0;
 
   /// A fitted number of the cause, or one that its option fixes.
   /// @throws InvalidInput  the cause has no number of that name
@@ -54,8 +57,8 @@ void lengthen(const Extension& by, const study::TomlNode& value, double metres);
 
 /// True if the chart is x and y of the body's frame.
 [[nodiscard]] bool looks_down(const Extension& by);
-/// `at` for the cause's u and v: seen from above if the chart looks down, else the point of the
-/// body that is seen there along the chart's normal.
+/// `at` for the cause's u and v, on the body as it has grown: seen from above if the chart looks
+/// down, else the point of the body that is seen there along the chart's normal.
 [[nodiscard]] std::string place(const Extension& by);
 /// `at` in the form that a study uses.
 [[nodiscard]] std::string place(const study::Place& at);

@@ -29,11 +29,14 @@ struct Things {
   MatrixXd springs, dashpots, masses;
 };
 
-Things things_on(const Structure& plate) {
+// @param longer  the plate is stretched so much about its middle, and they stay in space
+Things things_on(const Structure& plate, double longer = 1.0) {
   const Index r = plate.mode_count();
   Things all{MatrixXd::Zero(r, r), MatrixXd::Zero(r, r), MatrixXd::Zero(r, r)};
+  const Eigen::Vector2d middle = plate.cells.from + 0.5 * plate.cells.size;
   const auto add = [&](double u, double v, MatrixXd& to, double by) {
-    const VectorXd shape = plate.surface.at({u, v})->shape;
+    const Eigen::Vector2d on_it = middle + (Eigen::Vector2d(u, v) - middle) / longer;
+    const VectorXd shape = plate.surface.at(on_it)->shape;
     to += by * shape * shape.transpose();
   };
   constexpr std::array<std::array<double, 2>, 3> kFeet{{{-0.2, -0.25}, {0.27, -0.1}, {0.0, 0.2}}};
@@ -119,12 +122,15 @@ const Structure& carrying() {
   return made;
 }
 
-// The bare plate in that state with the things put on it afterwards.
-MatrixXcd with_things(State state) {
-  const Things things = things_on(bare());
+void attach(State& state, const Things& things) {
   attach_stiffness(state, things.springs);  // drift scales the body while it is measured
   attach_damping(state, things.dashpots);
   attach_mass(state, things.masses);
+}
+
+// The bare plate in that state with the things put on it afterwards.
+MatrixXcd with_things(State state) {
+  attach(state, things_on(bare()));
   return responses(state, some_lines());
 }
 
@@ -248,6 +254,34 @@ TEST(AttachedBody, IsScaledAlikeBeforeAndAfterItIsHeld) {
     const MatrixXcd expected = responses(first, some_lines());
     EXPECT_LT((responses(last, some_lines()) - expected).norm(), 1e-9 * expected.norm()) << name;
   }
+}
+
+// What a study places by coordinates stays where it is in space, and moves on the larger body.
+TEST(AttachedBody, LeavesWhatIsAttachedInItsPlaceWhenItGrows) {
+  const auto& size = effect("size_error");
+  const VectorXd x = VectorXd::Constant(1, 0.005);
+  const auto with_size_error = [&](const Structure& plate) {
+    State state = state_of(bare());
+    attach(state, things_on(bare()));
+    size.apply(state, plate, 0, x);
+    return responses(state, some_lines());
+  };
+  State larger = changed(bare(), size, x);
+  attach(larger, things_on(bare(), std::exp(x(0))));
+  const MatrixXcd expected = responses(larger, some_lines());
+  const MatrixXcd taken_along = with_size_error(bare());
+  Structure plate = bare();
+  constexpr double kStep = 1e-5;
+  const Things more = things_on(bare(), 1.0 + kStep);
+  const Things less = things_on(bare(), 1.0 - kStep);
+  plate.grown = {(more.springs - less.springs) / (2.0 * kStep),
+                 (more.masses - less.masses) / (2.0 * kStep),
+                 (more.dashpots - less.dashpots) / (2.0 * kStep)};
+  check(plate);
+  EXPECT_GT((taken_along - expected).norm(), 1e-3 * expected.norm());
+  EXPECT_LT((with_size_error(plate) - expected).norm(), 0.03 * (taken_along - expected).norm());
+  plate.grown.masses.resize(3, 3);
+  EXPECT_THROW(check(plate), InvalidInput);
 }
 
 // --- What the mesh leaves of the frequencies.

@@ -1,6 +1,9 @@
 // The simulation on its modes where dashpots, resonators, springs and masses hang on the body.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "diagnosed_plate.h"
 #include "diagnosis/body_fields.h"
 
@@ -69,6 +72,66 @@ mass = "300 g"
   EXPECT_EQ(stage::structure_of(bare.study, bare.solution).springs.size(),
             0);  // nothing is attached
   EXPECT_EQ(made.frequency_error, held.solution.frequency_error.head(r));
+}
+
+// How the row of a sensor changes as the body grows beneath it about its origin.
+Eigen::RowVectorXd moved(const diagnosis::ChannelSide& side, Eigen::Index i) {
+  return -side.places(i, 0) * side.slope_u.row(i) - side.places(i, 1) * side.slope_v.row(i);
+}
+
+// The change of rowᵀ row as the row changes.
+Eigen::MatrixXd change_of_square(const Eigen::RowVectorXd& row, const Eigen::RowVectorXd& by) {
+  const Eigen::MatrixXd half = row.transpose() * by;
+  return half + half.transpose();
+}
+
+// They stay where they are in space. The second place is a corner, where a smaller body ends: there
+// both are differences to one side.
+TEST(DiagnosisStructure, KnowsWhatIsAttachedToALargerBody) {
+  const auto held = solved_with(kPlate + kChannels + R"(
+[[attachment]]
+name = "bracket"
+kind = "resonator"
+at = ["-131 mm", "77 mm"]
+direction = "z"
+mass = "100 g"
+frequency = "70 Hz"
+[[attachment]]
+name = "flexure"
+kind = "spring"
+at = ["300 mm", "200 mm"]
+direction = "z"
+stiffness = "20 kN/m"
+[[attachment]]
+name = "dashpot"
+kind = "damper"
+at = ["300 mm", "200 mm"]
+direction = "z"
+damping = "3 N s/m"
+[[attachment]]
+name = "second_bracket"
+kind = "resonator"
+at = ["300 mm", "200 mm"]
+direction = "z"
+mass = "50 g"
+frequency = "30 Hz"
+)");
+  const auto made = stage::structure_of(held.study, held.solution);
+  const auto& sensors = made.outputs;
+  const Eigen::Index r = made.mode_count();
+  const Eigen::MatrixXd own = held.solution.extra_shapes.leftCols(r);
+  const Eigen::MatrixXd foot = change_of_square(sensors.shapes.row(1), moved(sensors, 1));
+  EXPECT_LT((made.grown.dashpots - 3.0 * foot).norm(), 0.02 * made.grown.dashpots.norm());
+  const auto of_bracket = [&](Eigen::Index i, double mass, double hz) -> Eigen::MatrixXd {
+    return mass * std::pow(2.0 * std::numbers::pi * hz, 2) *
+           change_of_square(own.row(i) - sensors.shapes.row(i), -moved(sensors, i));
+  };
+  const Eigen::MatrixXd springs = 2e4 * foot + of_bracket(0, 0.1, 70.0) + of_bracket(1, 0.05, 30.0);
+  EXPECT_LT((made.grown.springs - springs).norm(), 0.02 * springs.norm());
+  EXPECT_GT(made.grown.masses.norm(), 0.0);  // the brackets follow the body across z
+  const auto bare = solved_with(kPlate + kChannels);
+  const auto free = stage::structure_of(bare.study, bare.solution).grown;
+  EXPECT_EQ(free.springs.size() + free.masses.size() + free.dashpots.size(), 0);
 }
 
 }  // namespace

@@ -100,6 +100,17 @@ TEST(ExtendedStudy, HangsThingsOnTheBody) {
   EXPECT_NEAR(std::sqrt(resonator.stiffness / resonator.mass), 160.0 * std::numbers::pi, 1e-6);
 }
 
+// The place of a cause is one of the body as drawn: it moves as the body grows.
+TEST(ExtendedStudy, HangsThingsOnTheBodyAsItHasGrown) {
+  const auto mass = cause("point_mass", {{"mass", 0.2}, {"u", 0.12}, {"v", -0.08}});
+  const auto growth = cause("size_error", {{"relative", 0.05}});
+  for (const auto& causes : {std::vector{mass, growth}, std::vector{growth, mass}}) {
+    const auto study = read(extended(causes));
+    ASSERT_EQ(study.attachments.size(), 1U);
+    EXPECT_LT((study.attachments[0].at.point - Eigen::Vector3d(0.126, -0.084, 0.0)).norm(), 1e-12);
+  }
+}
+
 TEST(ExtendedStudy, VariesTheBody) {
   const auto study = read(extended(
       {cause("local_stiffness", {{"factor", -0.3}, {"u", 0.1}, {"v", -0.05}, {"radius", 0.06}}),

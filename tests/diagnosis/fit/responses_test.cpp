@@ -208,6 +208,21 @@ void expect_the_same_but_for_signs(const State& state, State against, std::strin
   EXPECT_LT((responses(against, some_lines()) - expected).norm(), 1e-12 * expected.norm()) << what;
 }
 
+// Where directions are stated, shapes do not decide: those of a place of the scan that is not near.
+TEST(SignsAlongNormal, AreThoseOfTheStatedDirections) {
+  Structure plate = small_plate();
+  auto& side = plate.outputs;
+  side.directions = Eigen::RowVector3d::UnitZ().replicate(side.count(), 1);
+  side.directions.row(1) *= -1.0;
+  side.directions.row(2) << 0.8, 0.0, -0.6;
+  side.directions.row(3) << 0.0, 0.96, -0.28;
+  side.shapes.row(0) *= -1.0;
+  side.shapes.row(3) *= -1.0;
+  Eigen::VectorXd signs = Eigen::VectorXd::Ones(side.count());
+  signs(1) = signs(2) = -1.0;
+  EXPECT_EQ(signs_along_normal(plate, side), signs);
+}
+
 TEST(Responses, OfChannelsAgainstTheNormalHaveTheSupportOfTheOthers) {
   const Structure turned = plate_with_channels_against();
   Eigen::VectorXd signs = Eigen::VectorXd::Ones(turned.output_count());
