@@ -16,6 +16,7 @@
 #include "diagnosis/modes/significance.h"
 #include "diagnosis/modes/weighed.h"
 #include "diagnosis/verdict/cause_of.h"
+#include "diagnosis/verdict/stability.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -252,6 +253,8 @@ Diagnosis answer(const ModesProblem& problem, const ModesFound& found,
         next_in_words(diagnosis.best, best, diagnosis.verdict, diagnosis.proposals);
   }
   tell_constants(problem, best, diagnosis);
+  auto order = note_on_order(diagnosis, options.rival_within, found.evidence_power);
+  if (!order.empty()) diagnosis.notes.push_back(std::move(order));
   return diagnosis;
 }
 

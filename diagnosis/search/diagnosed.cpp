@@ -219,6 +219,9 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
   notes.push_back(note_on_starts(first));
   notes.push_back(note_on_convergence(best, found.nothing));
   notes.push_back(note_on_noise(best, fine.number_count()));
+  if (diagnosis.verdict == Verdict::unexplained) {
+    notes.push_back(note_on_order(diagnosis, options.rival_within));
+  }
   if (is_doubtful(diagnosis, best)) {
     tell(options.progress, "the same with the last bits of the modes changed");
     const auto other = prepared_with(nudged(structure), measured, options, calibration);

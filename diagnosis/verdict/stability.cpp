@@ -1,9 +1,11 @@
 #include "diagnosis/verdict/stability.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "diagnosis/constants.h"
 
@@ -12,11 +14,23 @@ namespace {
 
 using Eigen::Index;
 
+constexpr std::size_t kNearTold = 3;  // explanations that a note names
+
 // Measured numbers that the deviations use up: n − tr H⁻¹, with their prior precision of 1.
 double taken_by_deviations(const Fit& fit) {
   const Index n = fit.eta.size();
   if (fit.covariance.rows() < n) return 0.0;
   return static_cast<double>(n) - fit.covariance.diagonal().tail(n).sum();
+}
+
+// "sensor_gain of y1 and density"
+std::string effects_of(const Explanation& explanation) {
+  std::string text;
+  for (const auto& cause : explanation.causes) {
+    text += (text.empty() ? "" : " and ") + cause.effect;
+    if (!cause.channels.empty()) text += fmt::format(" of {}", fmt::join(cause.channels, ", "));
+  }
+  return text;
 }
 
 }  // namespace
@@ -83,6 +97,28 @@ std::string doubt(const Structure& structure, const Fit& best, const Found& seco
   return fmt::format(
       "not stable: a search from modes that differ by 1e{:.0f} does not name {} again{}",
       std::log10(kConstants.last_bits), names, instead.empty() ? "" : " but " + instead);
+}
+
+std::string note_on_order(const Diagnosis& diagnosis, double within, double power) {
+  const auto& best = diagnosis.best;
+  if (best.causes.empty() || diagnosis.verdict == Verdict::named) return "";
+  std::vector<std::string> near;
+  for (const auto& rival : diagnosis.rivals) {
+    if (rival.causes.empty() || !(rival.probability > 0.0)) continue;
+    const double apart = std::log(best.probability / rival.probability) / power;
+    if (apart < within) near.push_back(effects_of(rival));
+  }
+  if (near.empty()) return "";
+  if (near.size() > kNearTold) {
+    const auto more = near.size() - kNearTold;
+    near.resize(kNearTold);
+    near.push_back(fmt::format("{} more", more));
+  }
+  return fmt::format(
+      "the order of the causes is not certain: within {:.3g} in ln evidence of what is told first "
+      "({}) there is {}; rounding errors, of another processor or number of threads, may put "
+      "another one first",
+      within, effects_of(best), fmt::join(near, "; "));
 }
 
 std::string note_on_convergence(const Fit& best, const Fit& nothing) {

@@ -31,6 +31,13 @@ namespace chladni::diagnosis {
 [[nodiscard]] std::string doubt(const Structure& structure, const Fit& best, const Found& second,
                                 Diagnosis& diagnosis);
 
+/// A note on the order of the causes told where a change of an evidence by `within` [ln] would put
+/// another explanation first: rounding errors decide where a search and its fits end. Empty where
+/// no rival is so near, where the causes are named and where none is told.
+/// @param power  of the evidence in the probability of an explanation
+[[nodiscard]] std::string note_on_order(const Diagnosis& diagnosis, double within,
+                                        double power = 1.0);
+
 /// A note on fits that have not converged; or empty.
 [[nodiscard]] std::string note_on_convergence(const Fit& best, const Fit& nothing);
 /// A note if the residual is below the stated noise: χ² plus the part taken by the deviations is

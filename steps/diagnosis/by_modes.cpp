@@ -85,6 +85,9 @@ void answer_by_modes(Diagnosed& one) {
   result.constants = by_modes.constants;
   result.constants_in_pairs = by_modes.constants_in_pairs;
   result.notes = result.data_notes;
+  for (const auto& note : by_modes.notes) {
+    if (std::ranges::find(result.notes, note) == result.notes.end()) result.notes.push_back(note);
+  }
   result.notes.push_back(reason_in_words(by_modes));
 }
 

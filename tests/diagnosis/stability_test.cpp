@@ -47,6 +47,40 @@ TEST(NotRepeated, IsWhatASecondSearchNamesOtherwise) {
   EXPECT_EQ(not_repeated(plate, told, fit_of({})), (Which{0, 1}));
 }
 
+Explanation told_as(const std::string& effect, double probability) {
+  Explanation one;
+  one.causes.emplace_back().effect = effect;
+  one.probability = probability;
+  return one;
+}
+
+// The list of causes turned on the kernel of BLAS where none of them was named.
+TEST(NoteOnOrder, NamesTheExplanationsThatMayComeFirst) {
+  Diagnosis diagnosis;
+  diagnosis.verdict = Verdict::unexplained;
+  diagnosis.best = told_as("size_error", 0.5);
+  EXPECT_EQ(note_on_order(diagnosis, 5.0), "") << "no rival";
+  diagnosis.rivals = {told_as("thickness", 0.3), told_as("density", 0.5 * std::exp(-6.0))};
+  diagnosis.rivals.front().causes.emplace_back().effect = "sensor_gain";
+  diagnosis.rivals.front().causes.back().channels = {"y1"};
+  const auto note = note_on_order(diagnosis, 5.0);
+  EXPECT_NE(note.find("order of the causes is not certain"), std::string::npos) << note;
+  EXPECT_NE(note.find("(size_error)"), std::string::npos) << note;
+  EXPECT_NE(note.find("thickness and sensor_gain of y1"), std::string::npos) << note;
+  EXPECT_EQ(note.find("density"), std::string::npos) << note;
+  // A ratio of e^6 is 10 in evidence, where that counts by its power of 0.6; and 4 by one of 1.5.
+  EXPECT_EQ(note_on_order(diagnosis, 9.9, 0.6).find("density"), std::string::npos);
+  EXPECT_NE(note_on_order(diagnosis, 10.1, 0.6).find("density"), std::string::npos);
+  EXPECT_NE(note_on_order(diagnosis, 5.0, 1.5).find("density"), std::string::npos);
+  for (int n = 0; n < 4; ++n) diagnosis.rivals.push_back(told_as("orthotropy", 0.1));
+  EXPECT_NE(note_on_order(diagnosis, 5.0).find("2 more"), std::string::npos);
+  diagnosis.verdict = Verdict::named;
+  EXPECT_EQ(note_on_order(diagnosis, 5.0), "");
+  diagnosis.verdict = Verdict::no_discrepancy;
+  diagnosis.best = {};
+  EXPECT_EQ(note_on_order(diagnosis, 5.0), "") << "no cause is told";
+}
+
 Diagnosis sure_of(const Fit& fit) {
   Diagnosis diagnosis;
   diagnosis.verdict = Verdict::named;

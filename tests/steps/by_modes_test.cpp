@@ -113,11 +113,13 @@ TEST(ByModes, LeaveNoNotesOnOtherCauses) {
   responses.map.explained = responses.map.posterior = Eigen::VectorXd::Ones(3);
   responses.before.per_output = Eigen::VectorXd::Constant(3, 90.0);
   responses.after.per_output = Eigen::VectorXd::Constant(3, 80.0);
-  const auto by_modes = told_of_modes(Verdict::named, {cause("point_mass", 0.9)}, 0.02, 0.0003);
+  auto by_modes = told_of_modes(Verdict::named, {cause("point_mass", 0.9)}, 0.02, 0.0003);
+  by_modes.notes = {"s4 is left out", "labels of sensors are mixed"};
   auto one = diagnosed_twice(responses, by_modes);
   take_answer_of_modes(one, {});
-  ASSERT_EQ(one.result.notes.size(), 2U);
+  ASSERT_EQ(one.result.notes.size(), 3U);
   EXPECT_EQ(one.result.notes.front(), "s4 is left out");
+  EXPECT_EQ(one.result.notes[1], "labels of sensors are mixed") << "said of the causes told";
   EXPECT_NE(one.result.notes.back().find("learned from their modes"), std::string::npos);
   EXPECT_EQ(one.result.map.explained.size(), 0) << "the place of a spring";
   EXPECT_EQ(one.result.after.per_output, one.result.before.per_output);

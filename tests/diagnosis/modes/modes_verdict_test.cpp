@@ -233,6 +233,22 @@ TEST_F(Answer, GivesTheWeightOfAGeneralCauseToItsSimplerCase) {
   EXPECT_NEAR(more.best.probability, (1.0 + std::exp(1.0)) / (2.0 + std::exp(1.0)), 1e-6);
 }
 
+// Neither is named, and which comes first is a matter of rounding errors.
+TEST_F(Answer, SaysWhereTheOrderOfTheCausesIsNotCertain) {
+  add({mass()}, 30.0);
+  add({gain(1)}, 20.0);
+  const auto says_so = [&](const Diagnosis& diagnosis) {
+    return std::ranges::any_of(diagnosis.notes, [](const std::string& note) {
+      return note.find("order of the causes is not certain") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(told().verdict, Verdict::named);
+  EXPECT_FALSE(says_so(told()));
+  add({gain(1)}, 29.5);
+  EXPECT_EQ(told().verdict, Verdict::ambiguous);
+  EXPECT_TRUE(says_so(told()));
+}
+
 TEST_F(Answer, CountsAPairThatIsNotSupportedAmongTheRivals) {
   add({mass()}, 30.0);
   EXPECT_EQ(told().verdict, Verdict::named);
