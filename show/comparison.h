@@ -23,6 +23,9 @@ namespace chladni::show {
 /// comparison.json of responses. `discrepancy` of diagnosis.json has the misfit besides.
 [[nodiscard]] io::JsonObject comparison_json(const diagnosis::Comparison& comparison);
 
+/// Error, noise and likeness of each response, the sensors of the first actuator first.
+[[nodiscard]] io::Json per_channel_json(const diagnosis::ResponseComparison& responses);
+
 /// Measured responses with their 95 % band, the simulation and, if there is one, the extended
 /// simulation. At most 24, those with the largest errors, in their original order.
 /// @param before, after  [k], each p×q: arranged as measured.value; `after` may be empty

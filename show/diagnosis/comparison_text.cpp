@@ -182,24 +182,6 @@ io::Json side_json(const std::vector<std::string>& names, const Eigen::MatrixXd&
   return array;
 }
 
-io::Json per_channel_json(const ResponseComparison& r) {
-  io::JsonArray array;
-  for (std::size_t j = 0; j < r.inputs.size(); ++j) {
-    for (std::size_t i = 0; i < r.outputs.size(); ++i) {
-      const auto row = static_cast<Eigen::Index>(i);
-      const auto column = static_cast<Eigen::Index>(j);
-      array.push_back(io::JsonObject{{"sensor", r.outputs[i]},
-                                     {"actuator", r.inputs[j]},
-                                     {"relative_error", r.error(row, column)},
-                                     {"noise_floor", r.noise(row, column)},
-                                     {"frac", r.frac(row, column)},
-                                     {"chi_square", r.chi_square(row, column)},
-                                     {"lag_one", r.lag_one(row, column)}});
-    }
-  }
-  return array;
-}
-
 io::Json swaps_json(const Comparison& comparison) {
   io::JsonArray array;
   for (const auto& swap : comparison.swaps) {
@@ -257,6 +239,24 @@ std::string comparison_table(const Comparison& comparison) {
                       percent(r.overall_error), percent(r.overall_noise), r.level);
   return text + bands_text(r) + channels_text(comparison) + swaps_text(comparison) +
          reciprocity_text(comparison);
+}
+
+io::Json per_channel_json(const ResponseComparison& r) {
+  io::JsonArray array;
+  for (std::size_t j = 0; j < r.inputs.size(); ++j) {
+    for (std::size_t i = 0; i < r.outputs.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      const auto column = static_cast<Eigen::Index>(j);
+      array.push_back(io::JsonObject{{"sensor", r.outputs[i]},
+                                     {"actuator", r.inputs[j]},
+                                     {"relative_error", r.error(row, column)},
+                                     {"noise_floor", r.noise(row, column)},
+                                     {"frac", r.frac(row, column)},
+                                     {"chi_square", r.chi_square(row, column)},
+                                     {"lag_one", r.lag_one(row, column)}});
+    }
+  }
+  return array;
 }
 
 io::JsonObject comparison_json(const Comparison& comparison) {

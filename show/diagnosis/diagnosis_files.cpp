@@ -12,6 +12,7 @@
 #include "show/comparison.h"
 #include "show/diagnosis.h"
 #include "show/diagnosis/errors_told.h"
+#include "show/diagnosis/left_told.h"
 #include "show/figures/stored_curves.h"
 #include "stage/diagnosis_faces.h"
 #include "steps/diagnosis.h"
@@ -129,8 +130,7 @@ void leave_diagnosis(const study::Study& study, const steps::Diagnosed& one, Run
   if (one.modes) {
     return;
   }
-  const auto& after =
-      one.predictions.fitted.empty() ? one.predictions.extended : one.predictions.fitted;
+  const auto& after = with_the_causes(one);
   const auto seen = [&](Index i, Index j) { return is_fitted(one, i, j); };
   run.paint("prediction.png", [&](const auto& png) {
     draw_responses(png, one.measured.all, one.predictions.before, after, seen);

@@ -15,6 +15,7 @@
 #include "show/diagnosis/detectable_text.h"
 #include "show/diagnosis/errors_told.h"
 #include "show/diagnosis/gain_told.h"
+#include "show/diagnosis/left_told.h"
 #include "show/diagnosis/modes_told.h"
 #include "show/solution.h"
 #include "steps/diagnosis.h"
@@ -79,8 +80,7 @@ void add_levels(io::Section& section, const diagnosis::Diagnosis& result) {
 }
 
 void add_curves(io::Section& section, const steps::Diagnosed& one) {
-  const auto& after =
-      one.predictions.fitted.empty() ? one.predictions.extended : one.predictions.fitted;
+  const auto& after = with_the_causes(one);
   auto curves =
       compared_responses(one.measured.all, one.predictions.before, after,
                          [&](Eigen::Index i, Eigen::Index j) { return is_fitted(one, i, j); });

@@ -11,6 +11,7 @@
 #include "show/diagnosis/detectable_text.h"
 #include "show/diagnosis/errors_told.h"
 #include "show/diagnosis/gain_told.h"
+#include "show/diagnosis/left_told.h"
 #include "show/diagnosis/modes_told.h"
 #include "show/readable.h"
 #include "steps/diagnosis.h"
@@ -83,11 +84,9 @@ io::JsonArray alternatives_json(const diagnosis::Diagnosis& result) {
 io::Json discrepancy_json(const steps::Diagnosed& one) {
   if (one.modes) return {};
   auto json = comparison_json(one.comparison);
-  json.emplace_back("excess", one.result.excess_before);
-  json.emplace_back("chi_square_per_sensor", io::Json(one.result.before.per_output));
-  json.emplace_back("chi_square_per_actuator", io::Json(one.result.before.per_input));
-  json.emplace_back("chi_square_band_edges_hz", io::Json(one.result.before.band_edges_hz));
-  json.emplace_back("chi_square_per_band", io::Json(one.result.before.per_band));
+  for (auto& [key, value] : misfit_json(one.result.before, one.result.excess_before)) {
+    json.emplace_back(key, std::move(value));
+  }
   return json;
 }
 
@@ -217,7 +216,9 @@ std::string before_and_after(const steps::Diagnosed& one) {
   std::string text;
   if (!steps::is_of_modes(one)) text += modes_told_text(one.modes_compared, one.after.has_value());
   text += "\n" + io::text(errors_table(one.errors));
-  if (const auto line = place_of_error(one); !line.empty()) text += line + "\n";
+  for (const auto& line : {place_of_error(one), left_line(one)}) {
+    if (!line.empty()) text += line + "\n";
+  }
   return text;
 }
 
@@ -282,6 +283,7 @@ io::JsonObject diagnosis_json(const steps::Diagnosed& one) {
                       {"measure_next", result.measure_next},
                       {"proposals", proposals_json(result.proposals)},
                       {"excess_after", result.best.excess},
+                      {"left", left_json(one)},
                       {"gain", gain_json(one)},
                       {"detectable", detectable_json(one.detectable)},
                       {"levels", levels_json(result)},

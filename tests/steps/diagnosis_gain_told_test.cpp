@@ -48,6 +48,9 @@ TEST_F(Told, AGainOfASensorIsJudgedByShapesWhereResonancesMiss) {
   EXPECT_TRUE(std::holds_alternative<std::monostate>(json.at("gain").at("pays").value()));
   EXPECT_EQ(show::diagnosis_table(unsolved).find("by it the causes"), std::string::npos);
   EXPECT_NE(one.result.verdict, Verdict::unexplained) << show::diagnosis_table(one);
+  // Modes name the cause: there is no fit of responses whose misfit could be told.
+  EXPECT_FALSE(json.at("left").at("per_channel").array().empty());
+  EXPECT_THROW((void)json.at("left").at("misfit"), InvalidInput);
 }
 
 // A study that holds nothing out: parts of the data are held out in turn, and it is said which.
@@ -73,6 +76,23 @@ TEST_F(Told, AGainIsMeasuredOnUnseenDataWithoutBeingAsked) {
   EXPECT_EQ(gain.at("cross_validation").at("parts").array().size(),
             one.result.cross_validation->parts.size());
   EXPECT_GT(gain.at("cross_validation").at("log_likelihood_gain_sensors").number(), 100.0);
+  // What is left, response by response.
+  const auto& before = json.at("discrepancy");
+  const auto& after = json.at("left");
+  EXPECT_LT(after.at("relative_error").number(), 3.0 * after.at("noise_floor").number());
+  EXPECT_GT(before.at("relative_error").number(), 10.0 * after.at("relative_error").number());
+  ASSERT_EQ(after.at("per_channel").array().size(), before.at("per_channel").array().size());
+  for (std::size_t k = 0; k < after.at("per_channel").array().size(); ++k) {
+    const auto& was = before.at("per_channel").array()[k];
+    const auto& is = after.at("per_channel").array()[k];
+    EXPECT_EQ(is.at("sensor").string(), was.at("sensor").string());
+    EXPECT_LT(is.at("relative_error").number(), 0.1 * was.at("relative_error").number());
+    EXPECT_EQ(is.at("noise_floor").number(), was.at("noise_floor").number());
+    EXPECT_LE(std::abs(is.at("lag_one").number()), 1.0);
+  }
+  EXPECT_GT(before.at("misfit_lag_one").number(), 0.5);
+  EXPECT_LT(std::abs(after.at("misfit").at("misfit_lag_one").number()), 0.3);
+  EXPECT_NE(text.find("left with the causes: most in s"), std::string::npos) << text;
 }
 
 // Modes and errors, before and after: of the text, the JSON and the pictures.

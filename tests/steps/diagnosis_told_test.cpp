@@ -20,6 +20,7 @@ TEST_F(Told, ASoundTableIsNotSaidNotToPay) {
   const io::Json json = io::parse_json(left("diagnosis.json"));
   EXPECT_TRUE(std::holds_alternative<std::monostate>(json.at("gain").at("pays").value()));
   EXPECT_TRUE(std::holds_alternative<std::monostate>(json.at("gain").at("from").value()));
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(json.at("left").value()));
   EXPECT_FALSE(std::filesystem::exists(at("out/extended.toml")));
   EXPECT_EQ(one.least_evidence, 9.0);
 }
