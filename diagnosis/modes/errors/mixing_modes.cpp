@@ -31,8 +31,9 @@ std::vector<MixingMode> mixed_by_damping(const MeasuredModes& measured, const Re
   for (Index j = 0; j < measured.count(); ++j) {
     const Index l = matching.model[at(j)];
     if (l < 0 || l == k) continue;
-    const double gap = std::abs(std::log(measured.frequency_hz(j) / measured.frequency_hz(i)));
-    const double coupled = kConstants.damping_coupling * std::max(ratio_of(i), ratio_of(j));
+    const double apart = std::log(measured.frequency_hz(j) / measured.frequency_hz(i));
+    const double gap = std::hypot(apart, ratio_of(j) - ratio_of(i));  // of the poles, over ω
+    const double coupled = kConstants.damping_coupling * std::sqrt(ratio_of(i) * ratio_of(j));
     const double part = coupled / std::max(gap, coupled) - coupled / kConstants.nearby;
     if (gap < kConstants.nearby && part > 0.0) all.push_back({l, part});
   }

@@ -19,9 +19,9 @@ struct MixingMode {
                                                          Eigen::Index k);
 
 /// Partners of other measured modes that damping mixes with measured mode i, whose dampers no study
-/// knows. Their parts are imaginary: ζ / gap of the measured frequencies times
-/// Constants::damping_coupling, and at most 1, where two modes are within each other's bandwidth
-/// (Caughey and O'Kelly, J. Appl. Mech. 32, 1965: what is not diagonal in the modes' damping).
+/// knows. Their parts are imaginary: Constants::damping_coupling times √(ζ_i ζ_j) over the distance
+/// of the measured poles (over ω), and at most 1 (Caughey and O'Kelly, J. Appl. Mech. 32, 1965:
+/// what is not diagonal in the modes' damping).
 [[nodiscard]] std::vector<MixingMode> mixed_by_damping(const MeasuredModes& measured,
                                                        const RecordedModes& model,
                                                        const Matching& matching, Eigen::Index i);
