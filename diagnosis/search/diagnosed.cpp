@@ -220,7 +220,7 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
   notes.push_back(note_on_convergence(best, found.nothing));
   notes.push_back(note_on_noise(best, fine.number_count()));
   if (diagnosis.verdict == Verdict::unexplained) {
-    notes.push_back(note_on_order(diagnosis, options.rival_within));
+    notes.push_back(note_on_order(diagnosis, options.rival_within, 1.0 / temper(problem, found)));
   }
   if (is_doubtful(diagnosis, best)) {
     tell(options.progress, "the same with the last bits of the modes changed");

@@ -168,15 +168,14 @@ double beside_unnamed(const Cause& cause, double left_share, double left) {
 void share_probability(const Problem& problem, const Found& found,
                        std::vector<Explanation>& explanations) {
   const double n = problem.observed.number_count();
-  // A residual above noise is a cause that nobody named. It may also explain the other data.
-  const double temper = std::max(1.0, found.fits.front().chi_square / n);
+  const double divided_by = temper(problem, found);
   const double best = explanations.front().log_evidence;
   double sum = 0.0;
   for (auto& explanation : explanations) {
     // A rival that has not converged may still become better.
     const double promise = &explanation == &explanations.front() ? 0.0 : explanation.promise;
     explanation.probability =
-        std::exp(std::max(-700.0, (explanation.log_evidence + promise - best) / temper));
+        std::exp(std::max(-700.0, (explanation.log_evidence + promise - best) / divided_by));
     sum += explanation.probability;
   }
   for (auto& explanation : explanations) {
@@ -294,6 +293,11 @@ double of_its_own(const Structure& structure, const std::vector<Cause>& causes, 
     if (c != which) share = std::min(share, share_as_near(structure, causes[which], causes[c]));
   }
   return share < 1.0 ? share / (share + kConstants.extended_prior) : 1.0;
+}
+
+// A residual above noise is a cause that nobody named. It may also explain the other data.
+double temper(const Problem& problem, const Found& found) {
+  return std::max(1.0, found.fits.front().chi_square / problem.observed.number_count());
 }
 
 std::vector<Explanation> explanations(const Problem& problem, const Found& found, double equal) {

@@ -6,11 +6,14 @@
 
 namespace chladni::diagnosis {
 
-/// The fits as explanations, each once, with their probabilities. ln evidence is divided by χ²/N of
-/// the best fit if that is above 1, so an unexplained residual makes all probabilities less
-/// certain. Of two explanations within `equal` of evidence the simpler one comes first. So does a
-/// simpler one that leaves no more of the other's gain than Simpler::share and its own errors; it
-/// then gets the other's evidence.
+/// What ln evidence is divided by before it counts: χ²/N of the best fit, if that is above 1. An
+/// unexplained residual makes all probabilities less certain.
+[[nodiscard]] double temper(const Problem& problem, const Found& found);
+
+/// The fits as explanations, each once, with their probabilities (evidence by `temper`). Of two
+/// explanations within `equal` of evidence the simpler one comes first. So does a simpler one that
+/// leaves no more of the other's gain than Simpler::share and its own errors; it then gets the
+/// other's evidence.
 [[nodiscard]] std::vector<Explanation> explanations(const Problem& problem, const Found& found,
                                                     double equal);
 

@@ -23,7 +23,7 @@ ResponseComparison compared_after(const steps::Diagnosed& one) {
   std::vector<Eigen::MatrixXcd> seen;
   for (const double hz : one.seen.frequency_hz) {
     const auto line = static_cast<std::size_t>(std::ranges::lower_bound(all, hz) - all.begin());
-    require(line < after.size(), "a line of the fit was not measured");
+    require(line < after.size() && all[line] == hz, "a line of the fit was not measured");
     seen.emplace_back(after[line](one.measured.outputs, one.measured.inputs));
   }
   return diagnosis::compared(one.seen, seen);
@@ -80,8 +80,10 @@ std::string left_line(const steps::Diagnosed& one) {
   const auto after = compared_after(one);
   Index row = 0;
   Index col = 0;
-  after.error.unaryExpr([](double error) { return std::isfinite(error) ? error : -1.0; })
-      .maxCoeff(&row, &col);
+  const double most =
+      after.error.unaryExpr([](double error) { return std::isfinite(error) ? error : -1.0; })
+          .maxCoeff(&row, &col);
+  if (most < 0.0) return "";
   std::string text = fmt::format("left with the causes: most in {} by {}, {} of its size, noise {}",
                                  after.outputs[static_cast<std::size_t>(row)],
                                  after.inputs[static_cast<std::size_t>(col)],

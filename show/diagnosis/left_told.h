@@ -24,7 +24,7 @@ namespace chladni::show {
 [[nodiscard]] io::Json left_json(const steps::Diagnosed& one);
 
 /// The response that is off most with the causes, and how alike errors of neighbouring lines are,
-/// before and after; empty where nothing was predicted anew.
+/// before and after; empty where nothing was predicted anew, or no response was seen.
 /// @throws InvalidInput  as diagnosis::compared
 [[nodiscard]] std::string left_line(const steps::Diagnosed& one);
 

@@ -29,7 +29,8 @@ constexpr double kSystemBytes = 700.0;   // stiffness and mass of a degree of fr
 constexpr double kCopiesOfShapes = 4.0;  // while modes from elsewhere are checked
 constexpr double kTimePerMode = 0.02;    // part of the total time, per mode beyond kFittedModes
 constexpr double kBelieved = 0.75;       // part of a forecast without a mesh that is believed
-constexpr double kManyMore = 2.0;        // modes_below is right within a factor of 1.5
+constexpr double kFewest = 3.0;    // of a number of modes that is trusted: below it is a guess
+constexpr double kManyMore = 2.0;  // modes_below is right within 1.5 for ten and more
 constexpr double kModesPerFreedom = 0.1;  // above this no mesh of any kind resolves them
 
 /// Length, width and thickness: the body's sides by size, and the thickness that fits its volume.
@@ -316,12 +317,12 @@ double modes_wanted(const study::Study& study, const Understood& body) {
 std::vector<std::string> unlikely_modes(const study::Study& study, const Understood& body) {
   const double up_to = study.modes.up_to_hz;
   if (!(up_to > 0.0)) return {};
-  const double likely = std::max(1.0, modes_below(body, up_to) - kRigid);
+  const double likely = std::max(kFewest, modes_below(body, up_to) - kRigid);
   std::vector<std::string> warnings;
   const auto look = [&](const char* key, int highest) {
     if (highest <= kManyMore * likely) return;
     warnings.push_back(fmt::format(
-        "{}: {} asks for flexible mode {}, but only about {:.2g} lie below {:.6g} Hz; raise "
+        "{}: {} asks for flexible mode {}, but only about {:.0f} lie below {:.6g} Hz; raise "
         "modes.up_to if there are fewer",
         study.file.string(), key, highest, likely, up_to));
   };

@@ -167,6 +167,18 @@ TEST_F(Before, CheckWarnsOfModesThatAreUnlikelyBelowAFrequency) {
     EXPECT_TRUE(says(said_, "asks for flexible mode 99, but only about")) << text;
   }
   EXPECT_TRUE(warnings("[placement]\nmodes = [1, 2]\n").empty());
+  const study::Study many = study_of(kSmall + "modes = { up_to = \"100 kHz\" }\n");
+  const double likely =
+      stage::modes_below(stage::understood(many, stage::outline_of(many)), 100e3) - 6.0;
+  ASSERT_GT(likely, 20.0);
+  const auto asked = [&](double times) {
+    const study::Study one =
+        study_of(kSmall + "modes = { up_to = \"100 kHz\" }\n[priors]\nmodes = " +
+                 std::to_string(std::lround(times * likely)) + "\n");
+    return stage::unlikely_modes(one, stage::understood(one, stage::outline_of(one)));
+  };
+  EXPECT_TRUE(asked(1.9).empty()) << "the estimate is right within a factor of 1.5";
+  EXPECT_EQ(asked(2.1).size(), 1U);
 }
 
 // A mode that is expected is computed, and counts in the forecast.

@@ -34,8 +34,8 @@ std::vector<MixingMode> mixed_by_damping(const MeasuredModes& measured, const Re
     const double apart = std::log(measured.frequency_hz(j) / measured.frequency_hz(i));
     const double gap = std::hypot(apart, ratio_of(j) - ratio_of(i));  // of the poles, over ω
     const double coupled = kConstants.damping_coupling * std::sqrt(ratio_of(i) * ratio_of(j));
-    const double part = coupled / std::max(gap, coupled) - coupled / kConstants.nearby;
-    if (gap < kConstants.nearby && part > 0.0) all.push_back({l, part});
+    if (!(gap < kConstants.nearby && coupled > 0.0)) continue;
+    all.push_back({l, coupled / std::max(gap, coupled) * (1.0 - gap / kConstants.nearby)});
   }
   return all;
 }

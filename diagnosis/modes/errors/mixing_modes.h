@@ -19,9 +19,10 @@ struct MixingMode {
                                                          Eigen::Index k);
 
 /// Partners of other measured modes that damping mixes with measured mode i, whose dampers no study
-/// knows. Their parts are imaginary: Constants::damping_coupling times √(ζ_i ζ_j) over the distance
-/// of the measured poles (over ω), and at most 1 (Caughey and O'Kelly, J. Appl. Mech. 32, 1965:
-/// what is not diagonal in the modes' damping).
+/// knows. Their parts are taken as imaginary: Constants::damping_coupling times √(ζ_i ζ_j) over the
+/// distance of the measured poles (over ω), at most 1, and less as they come to Constants::nearby
+/// (Caughey and O'Kelly, J. Appl. Mech. 32, 1965: what is not diagonal in the modes' damping).
+/// Poles of one frequency mix in their real parts too, as mixed_by_stiffness has them.
 [[nodiscard]] std::vector<MixingMode> mixed_by_damping(const MeasuredModes& measured,
                                                        const RecordedModes& model,
                                                        const Matching& matching, Eigen::Index i);

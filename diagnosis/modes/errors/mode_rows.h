@@ -64,8 +64,8 @@ class Rows {
   }
 
  private:
-  static constexpr Eigen::Index kFactors =
-      4;  // complex ones of the shapes at sensors and actuators
+  // Complex factors of the shapes at sensors and actuators.
+  static constexpr Eigen::Index kFactors = 4;
   ModeBlock block_;
   Eigen::Index used_ = 0;
 };
