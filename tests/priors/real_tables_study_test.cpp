@@ -25,7 +25,9 @@ struct Scores {
 
 class RealTables : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
+  void SetUp() override {
+    EVERY_FOURTH_LANDING();
+    if (!tables_.empty()) return;
     tables_.resize(kTables);
     parallel_ranges(kTables, [&](std::size_t begin, std::size_t end) {
       for (std::size_t t = begin; t < end; ++t) {
@@ -84,7 +86,6 @@ class RealTables : public testing::Test {
 };
 
 TEST_F(RealTables, AreKnownTenfoldBetterThanByTheThesissMethods) {
-  EVERY_FOURTH_LANDING();
   const auto ours = scores("dynamic_residual", "rings");
   const double first_nine = ours.error.leftCols(9).mean();
   EXPECT_LT(first_nine, 0.005);
@@ -95,7 +96,6 @@ TEST_F(RealTables, AreKnownTenfoldBetterThanByTheThesissMethods) {
 }
 
 TEST_F(RealTables, AreNeverKnownWorseThanByTheSpline) {
-  EVERY_FOURTH_LANDING();
   for (const auto* layout : {"quincunx", "rand1"}) {
     const auto ours = scores("dynamic_residual", layout);
     const auto spline = scores("thin_plate_spline", layout);
@@ -108,7 +108,6 @@ TEST_F(RealTables, AreNeverKnownWorseThanByTheSpline) {
 // Six places see little of nine modes, and the band says so. On the regular half of the rings
 // several shapes look alike, and the band holds less than it should.
 TEST_F(RealTables, AreHeldByTheBandOfFewPlaces) {
-  EVERY_FOURTH_LANDING();
   for (const auto& [layout, least] : {std::pair{"rings", 0.82}, std::pair{"rand1", 0.92}}) {
     const auto few = scores_at_few(layout);
     RecordProperty(std::string(layout) + "_covered", std::to_string(few.covered.mean()));
@@ -119,7 +118,6 @@ TEST_F(RealTables, AreHeldByTheBandOfFewPlaces) {
 
 // Each step pays: orthogonality, then corrections.
 TEST_F(RealTables, GainFromEveryStep) {
-  EVERY_FOURTH_LANDING();
   const double alone = scores("dynamic_residual_alone", "rings").error.mean();
   const double orthogonal = scores("dynamic_residual_orthogonal", "rings").error.mean();
   EXPECT_LT(orthogonal, 1.02 * alone);

@@ -167,7 +167,9 @@ FrfEstimateOptions law_periods() {
 
 class ClosedLoopLaw : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
+  void SetUp() override {
+    EVERY_FOURTH_LANDING();
+    if (!indirect.error.empty()) return;
     const auto made = loop();
     Draw draw(5);
     for (int n = 0; n < kRepeats; ++n) {
@@ -188,7 +190,6 @@ TEST(ClosedLoopOfATable, HasASensitivityOfFortyDecibels) {
 }
 
 TEST_F(ClosedLoopLaw, TheBiasIsBelowATenthOfADeviation) {
-  EVERY_FOURTH_LANDING();
   for (std::size_t k = 0; k < kLines; ++k) EXPECT_LT(indirect.bias(k), 0.1) << k;
 }
 
@@ -207,7 +208,6 @@ void expect_true(const std::vector<Eigen::MatrixXd>& stated,
 }
 
 TEST_F(ClosedLoopLaw, TheVarianceIsThatOfTheErrors) {
-  EVERY_FOURTH_LANDING();
   expect_true(indirect.total, indirect.square, "of all");
   expect_true(indirect.of_noise, indirect.square, "of noise");
 }

@@ -120,7 +120,9 @@ constexpr double kNoise = 1e-5;  // [m]
 // Variance of one realisation without noise, and the mean: from many others.
 class Distortion : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
+  void SetUp() override {
+    EVERY_FOURTH_LANDING();
+    if (!data.empty()) return;
     Draw draw(17);
     truth = estimated(records(kCubic, 0.0, kTruth, 1, draw), 0);
     for (int n = 0; n < kExperimentsOfDistortion; ++n) {
@@ -144,7 +146,6 @@ double level(const modal::FrfSet& truth) {
 }
 
 TEST_F(Distortion, OfMinusFortyDecibelsIsFoundWithinADecibel) {
-  EVERY_FOURTH_LANDING();
   EXPECT_NEAR(level(truth), -40.0, 2.0);
   for (Eigen::Index i = 0; i < 2; ++i) {
     for (std::size_t third = 0; third < 3; ++third) {
@@ -192,7 +193,6 @@ double pole_errors(const std::vector<Eigen::Index>& outputs, const modal::FrfSet
 }
 
 TEST_F(Distortion, PolesOfTheBestLinearApproximationLieWithinTheirDeviations) {
-  EVERY_FOURTH_LANDING();
   for (const Eigen::Index output : {0, 1}) {
     EXPECT_NEAR(pole_errors({output}, truth, data), 1.0, 0.3) << output;
   }
