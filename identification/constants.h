@@ -111,6 +111,9 @@ struct Constants {
   /// Distance to the end of the scan from which a delay in the phases makes that the poles are also
   /// sought without it [periods of the highest line] (chosen).
   static constexpr double delay_margin = 1.0;
+  /// Delay below 0 over its deviation, at most, that a model for control takes for none
+  /// [deviations] (chosen: 95 % of none).
+  static constexpr double no_delay = 2.0;
 
   // The fit of modes.
   /// Iterations of a fit whose poles are still to be chosen, or whose data are still to be

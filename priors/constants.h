@@ -102,6 +102,15 @@ struct Constants {
   static constexpr double gain_reach = 8.25;
   /// Intervals of this scan [1] (chosen, c369a77).
   static constexpr int gain_intervals = 66;
+  /// Step of Newton from the gain of one simulation to that of another, at most; beyond it the
+  /// highest point is sought [deviations] (chosen).
+  static constexpr double gain_move = 3.0;
+  /// Curvature of the evidence over that of the first simulation, at least, for such a step [1]
+  /// (chosen).
+  static constexpr double gain_bend = 0.25;
+  /// Height of that highest point over both ends of the scan, at least; else the simulation tells
+  /// no gain [ln evidence] (chosen: two deviations).
+  static constexpr double gain_peak = 2.0;
 
   // One scale.
   /// Deviation of a shape's mean square at few places from the one scale of all modes [ln a²]

@@ -31,9 +31,8 @@ struct Constants {
   static constexpr double enough_freedom = 14.0;
   /// Most lines on each side over which variances are averaged [lines] (chosen, 4e93688).
   static constexpr Eigen::Index most_smoothing = 5;
-  /// Evidence that noise grows with the response from which its variances are averaged in
-  /// proportion to it [deviations] (chosen).
-  static constexpr double growth_significant = 4.0;
+  /// Probability, before the lines say anything, that noise grows with the response [1] (chosen).
+  static constexpr double growth_chance = 0.05;
   /// Frequency above which folding is noted [sampling frequencies] (chosen, 4e93688).
   static constexpr double folds_from = 0.4;
   /// Force outside the window over its peak above which a second hit is noted [1] (chosen,

@@ -5,16 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identification/constants.h"
 #include "identification/control/scaled_model.h"
 
 namespace chladni::identification {
 namespace {
 
-constexpr double kNoDelay = 2.0;  // deviations within which a delay is none
-
 // A deviation of 0 is none: it was not computed.
 bool is_below_zero(double delay, double deviation) {
-  return delay < (deviation > 0.0 ? -kNoDelay * deviation : 0.0);
+  return delay < (deviation > 0.0 ? -Constants::no_delay * deviation : 0.0);
 }
 
 // The earliest delay of those that are below 0 [s]; 0 without such. A channel that was not measured

@@ -165,9 +165,9 @@ Eigen::MatrixXd unexplained(const Sums& sums, Eigen::Index half) {
   return result;
 }
 
-void fill(const Sums& sums, Eigen::Index input, Eigen::Index half, modal::FrfSet& set,
+// One column of H1, or of H2 (`second`). @param noise  K×p: power that the force does not explain
+void fill(const Sums& sums, const Eigen::MatrixXd& noise, Eigen::Index input, modal::FrfSet& set,
           bool second) {
-  const auto noise = unexplained(sums, half);
   for (std::size_t k = 0; k < set.value.size(); ++k) {
     const auto line = static_cast<Eigen::Index>(k);
     for (Eigen::Index i = 0; i < set.output_count(); ++i) {
@@ -221,8 +221,9 @@ HammerEstimate hammer_estimate(const Recordings& recordings, const HammerOptions
                            " lines");
   }
   for (std::size_t j = 0; j < all.size(); ++j) {
-    fill(all[j], static_cast<Eigen::Index>(j), half, result.h1, false);
-    fill(all[j], static_cast<Eigen::Index>(j), half, result.h2, true);
+    const auto noise = unexplained(all[j], half);
+    fill(all[j], noise, static_cast<Eigen::Index>(j), result.h1, false);
+    fill(all[j], noise, static_cast<Eigen::Index>(j), result.h2, true);
   }
   result.h1.averages = result.h2.averages = (fewest - 1.0) * static_cast<double>(2 * half + 1);
   if (fewest < 2.0) {

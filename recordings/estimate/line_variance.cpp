@@ -19,28 +19,31 @@ double share_that_stays(int step) {
 
 }  // namespace
 
-double averaged_variance(const Eigen::VectorXd& sample, const Eigen::VectorXd& power,
-                         Eigen::Index at, double freedom) {
+double averaged_variance(const Eigen::Ref<const Eigen::VectorXd>& sample,
+                         const Eigen::Ref<const Eigen::VectorXd>& power, Eigen::Index at,
+                         double freedom) {
   const double mean = sample.mean();
   if (power.maxCoeff() <= kAlike * power.minCoeff() || !(mean > 0.0)) return mean;
   const auto n = static_cast<double>(sample.size());
   const Eigen::ArrayXd relative = power.array() / power.mean();
-  const double flat = freedom * n * std::log(mean);
-  double gained = 0.5 * Constants::growth_significant * Constants::growth_significant;
-  double result = mean;
+  constexpr double kGrows = Constants::growth_chance;
+  Eigen::Array<double, 1 + kShares, 1> evidence;  // logarithms; the last: it does not grow
+  Eigen::Array<double, 1 + kShares, 1> variance;
+  evidence(kShares) = std::log((1.0 - kGrows) / kGrows * kShares) - freedom * n * std::log(mean);
+  variance(kShares) = mean;
   for (int step = 0; step < kShares; ++step) {
     const double stays = share_that_stays(step);
     const Eigen::ArrayXd form = stays + (1.0 - stays) * relative;
     const double level = (sample.array() / form).mean();
-    const double gain = flat - freedom * (form.log().sum() + n * std::log(level));
-    if (gain <= gained) continue;
-    gained = gain;
-    result = level * form(at);
+    evidence(step) = -freedom * (form.log().sum() + n * std::log(level));
+    variance(step) = level * form(at);
   }
-  return result;
+  const Eigen::Array<double, 1 + kShares, 1> weight = (evidence - evidence.maxCoeff()).exp();
+  return (weight * variance).sum() / weight.sum();
 }
 
-Eigen::VectorXd averaged_variances(const Eigen::VectorXd& sample, const Eigen::VectorXd& power,
+Eigen::VectorXd averaged_variances(const Eigen::Ref<const Eigen::VectorXd>& sample,
+                                   const Eigen::Ref<const Eigen::VectorXd>& power,
                                    Eigen::Index half, double freedom) {
   if (half <= 0) return sample;
   Eigen::VectorXd result(sample.size());
