@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "base/diagonal.h"
 #include "base/error.h"
 #include "priors/constants.h"
 #include "priors/methods/interpolators.h"
@@ -134,8 +135,7 @@ struct SamePlace {
 
 std::vector<SamePlace> same_places(const Places& places) {
   const auto& position = places.position;
-  const double size = (position.colwise().maxCoeff() - position.colwise().minCoeff()).norm() *
-                      Constants::same_place;
+  const double size = diagonal_of(position) * Constants::same_place;
   std::vector<SamePlace> found;
   for (Eigen::Index a = 0; a < position.rows(); ++a) {
     for (Eigen::Index b = a + 1; b < position.rows(); ++b) {

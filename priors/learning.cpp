@@ -7,6 +7,7 @@
 #include <map>
 #include <random>
 
+#include "base/diagonal.h"
 #include "base/error.h"
 #include "base/upper_median.h"
 #include "priors/constants.h"
@@ -285,7 +286,7 @@ Learned told(const Merits& merits, const Found& found, const std::vector<Eigen::
 }  // namespace
 
 std::pair<double, double> length_range(const Points& points) {
-  const double diagonal = (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
+  const double diagonal = diagonal_of(points);
   require(diagonal > 0.0, "learning: all points are one; expected points that lie apart");
   std::vector<double> nearest;
   for (Eigen::Index i = 0; i < points.rows(); ++i) {

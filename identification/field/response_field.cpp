@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/diagonal.h"
 #include "base/error.h"
 #include "identification/damping_coupling.h"
 #include "identification/field/rigid_band.h"
@@ -329,14 +330,6 @@ PredictedResponses ResponseField::at(const priors::Places& places,
   return predicted(fit_, gains_.match, interest, frequency_hz);
 }
 
-namespace {
-
-double extent_of(const Points& points) {
-  return (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
-}
-
-}  // namespace
-
 ResponseField response_field(const modal::FrfSet& responses, const priors::Simulation& simulation,
                              const priors::Places& outputs, const priors::Places& inputs,
                              const ResponseFieldPlan& plan) {
@@ -349,7 +342,7 @@ ResponseField response_field(const modal::FrfSet& responses, const priors::Simul
       channel_gains(result.fit_, responses, plan.gains,
                     {[&] { return channels; },
                      [&] { return simulated_gain_prior(result.fit_, simulation, outputs, inputs); },
-                     [&] { return extent_of(simulation.surface.position); }});
+                     [&] { return diagonal_of(simulation.surface.position); }});
   const auto rows = rows_of(result.gains_.match, outputs, inputs);
   result.simulation_ = {channels, rows.shapes, data.frequency_hz(data.line_count() - 1)};
   result.modes_ = modes_with_scale(result.fit_, result.gains_.match);

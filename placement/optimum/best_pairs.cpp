@@ -5,6 +5,7 @@
 #include <numeric>
 #include <optional>
 
+#include "base/diagonal.h"
 #include "placement/constants.h"
 #include "placement/refine.h"
 
@@ -16,10 +17,6 @@ constexpr std::size_t kBestShown = 10;
 // Mean distance between neighbouring points of a surface.
 double grain(const Sites& sites) {
   return std::sqrt(sites.area.sum() / static_cast<double>(sites.count()));
-}
-
-double diagonal(const Points& points) {
-  return (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
 }
 
 std::vector<Eigen::Index> all_rows(Eigen::Index count) {
@@ -115,9 +112,9 @@ PairPlaces best_pairs(const PairViews& views, const Sites& surface, const Candid
   const auto& sites = candidates.sites;
   const auto rows = all_rows(sites.count());
   const auto map = heat_map(*places.criterion, views.at(sites), views.over());
-  const double apart = std::max(plan.spacing, 0.05 * diagonal(sites.position));
+  const double apart = std::max(plan.spacing, 0.05 * diagonal_of(sites.position));
   const double last_step =
-      std::min(Constants::last_step, Constants::last_step_part * diagonal(surface.position));
+      std::min(Constants::last_step, Constants::last_step_part * diagonal_of(surface.position));
   std::optional<FaceFinder> faces;
   if (sampler != nullptr && !candidates.faces.empty()) {
     faces.emplace(sampler->body(), candidates.faces);

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "base/diagonal.h"
 #include "priors/constants.h"
 #include "priors/methods/interpolators.h"
 #include "priors/methods/modal_field.h"
@@ -34,8 +35,8 @@ class OneScaleField : public ModalField {
                 std::vector<ShapeCoefficients> shapes, FitSummary summary)
       : ModalField(std::move(shapes), std::move(summary)),
         measured_(std::move(measured)),
-        near_(diagonal(measured_.places.position) * Constants::same_place),
-        through_(diagonal(surface.position) * Constants::through_body) {}
+        near_(diagonal_of(measured_.places.position) * Constants::same_place),
+        through_(diagonal_of(surface.position) * Constants::through_body) {}
 
  protected:
   [[nodiscard]] Field field_at(const Places& places) const override {
@@ -47,10 +48,6 @@ class OneScaleField : public ModalField {
   }
 
  private:
-  static double diagonal(const Points& position) {
-    return (position.colwise().maxCoeff() - position.colwise().minCoeff()).norm();
-  }
-
   // Two faces of a plate are one place for what moves across it. The ends of a bar are two places
   // for what moves along it.
   [[nodiscard]] bool is_same(const Places& places, Eigen::Index i, Eigen::Index k) const {
