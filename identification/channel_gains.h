@@ -14,7 +14,9 @@ namespace chladni::identification {
 /// How the two sides of each mode get one scale.
 struct GainPlan {
   std::vector<std::pair<std::string, std::string>> pairs;  ///< names of sensor and actuator
-  double pairs_within = 1e-3;  ///< [m]: channels that are pairs where none are named
+  /// Channels on one line that are pairs where none are named [m]; not a part of the body, so that
+  /// one of millimetres needs less.
+  double pairs_within = 1e-3;
   GainRule rule = GainRule::tied;
   GainFault fault = GainFault::nobody;  ///< the side whose gains the pairs correct
   int suspended_modes = -1;   ///< above 0 Hz in which the body moves as a whole; −1: found

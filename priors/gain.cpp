@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/diagonal.h"
 #include "base/error.h"
 #include "base/search.h"
 #include "priors/constants.h"
@@ -83,8 +84,7 @@ double same_place(const Places& a, Eigen::Index i, const Places& b, Eigen::Index
 double nearness(const TwoSidedShape& shape) {
   Points places(shape.sensors.count() + shape.actuators.count(), 3);
   places << shape.sensors.position, shape.actuators.position;
-  const auto diagonal = (places.colwise().maxCoeff() - places.colwise().minCoeff()).norm();
-  return Constants::same_place * diagonal;
+  return Constants::same_place * diagonal_of(places);
 }
 
 // Functions of the higher modes: one for each place, shared by a collocated pair.
@@ -171,9 +171,19 @@ double log_gain_near(const TwoSidedShape& shape, const ModalBasis& basis,
   const double below = evidence_of(sides, near.log_gain - step, near.sign);
   const double here = evidence_of(sides, near.log_gain, near.sign);
   const double above = evidence_of(sides, near.log_gain + step, near.sign);
-  const double curvature = std::max(2.0 * here - above - below, 1e-2);  // 1: that of `near`
-  const double move = 0.5 * step * (above - below) / curvature;
-  return near.log_gain + std::clamp(move, -Constants::gain_reach, Constants::gain_reach);
+  const double curvature = 2.0 * here - above - below;    // 1: that of `near`
+  const double move = 0.5 * (above - below) / curvature;  // of Newton, in steps
+  if (curvature > Constants::gain_bend && std::abs(move) < Constants::gain_move) {
+    return near.log_gain + move * step;
+  }
+  const auto peak = peak_of(sides, near.log_gain, near.sign);
+  for (const double end : {-Constants::gain_reach, Constants::gain_reach}) {
+    if (!(peak.height - evidence_of(sides, near.log_gain + end, near.sign) >
+          Constants::gain_peak)) {
+      throw NumericalFailure("gain: the evidence has no peak about the gain that it is to be near");
+    }
+  }
+  return peak.at;
 }
 
 }  // namespace chladni::priors

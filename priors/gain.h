@@ -32,9 +32,12 @@ struct GainMatch {
 [[nodiscard]] GainMatch gain_match(const TwoSidedShape& shape, const ModalBasis& basis,
                                    const DynamicResidual& prior = {});
 
-/// ln β under another simulation or other errors of it, one step of Newton from the gain of a
-/// simulation near it; of its sign. Cost: 3 decompositions of s + a rows.
+/// The most likely ln β under another simulation or other errors of it, for the sign of `near`, the
+/// gain of a simulation near it. One step of Newton; where that is far or the evidence is nearly
+/// straight (Constants::gain_move, gain_bend), the highest point about `near`.
 /// @param near  its log_gain, deviation and sign are used
+/// @throws NumericalFailure  the evidence has no peak there, or no finite value
+/// Cost: 3 decompositions of s + a rows, with the highest point about 120.
 [[nodiscard]] double log_gain_near(const TwoSidedShape& shape, const ModalBasis& basis,
                                    const DynamicResidual& prior, const GainMatch& near);
 

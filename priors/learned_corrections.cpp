@@ -187,7 +187,7 @@ LearnedCorrections learned_corrections(const MeasuredShapes& measured, const Mod
     learned.deviation(f) = correction.deviation * root.row(1 + f).norm();
     const double away = std::abs(best.at(kFirst + f));
     if (away < Constants::doubtful) continue;
-    learned.doubts.push_back(
+    learned.correction_doubts.push_back(
         fmt::format("correction {} is {:.3g}, {:.1f} of the deviations that were thought plausible",
                     correction.name, learned.parameters(f), away));
   }

@@ -22,7 +22,8 @@ struct LearnedCorrections {
   std::vector<CorrectedSimulation> aside;
   double log_evidence = 0.0;
   int evaluations = 0;
-  std::vector<std::string> doubts;  ///< on the errors that are left, then on the corrections
+  std::vector<std::string> doubts;             ///< on the errors that are left
+  std::vector<std::string> correction_doubts;  ///< on corrections far from plausible
 };
 
 /// The corrections and γ that are most likely under the measurement and their normal priors. The

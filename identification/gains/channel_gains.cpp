@@ -4,10 +4,10 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <optional>
 
+#include "base/diagonal.h"
 #include "base/error.h"
 #include "identification/constants.h"
 #include "identification/gains/pair_evidence.h"
@@ -39,11 +39,12 @@ Apart apart(const modal::FrfSet& channels, const CollocatedPair& pair) {
 }
 
 double diagonal_of_places(const modal::FrfSet& channels) {
-  Eigen::AlignedBox3d box;
+  Points places(std::ssize(channels.outputs) + std::ssize(channels.inputs), 3);
+  Eigen::Index row = 0;
   for (const auto* side : {&channels.outputs, &channels.inputs}) {
-    for (const auto& channel : *side) box.extend(*channel.position);
+    for (const auto& channel : *side) places.row(row++) = channel.position->transpose();
   }
-  return box.isEmpty() ? 0.0 : box.diagonal().norm();
+  return diagonal_of(places);
 }
 
 // Diagonals of the body [m] that decide on the distances of pairs along and across their lines.
@@ -278,10 +279,9 @@ GainPrior simulated_gain_prior(const ModalFit& fit, const priors::Simulation& si
   const auto learned = priors::learned_corrections(shapes, plain.basis, simulation.corrections);
   auto prior = corrected(plain, learned.likeliest);
   for (const auto& other : learned.aside) prior.aside.push_back(corrected(plain, other));
-  // Of dozens of corrections one or two are chance far from plausible; `aside` holds what that
+  // Of dozens of corrections one or two are by chance far from plausible. `aside` holds what that
   // means.
-  std::ranges::copy_if(learned.doubts, std::back_inserter(prior.doubts),
-                       [](const auto& doubt) { return !doubt.starts_with("correction "); });
+  prior.doubts = learned.doubts;
   return prior;
 }
 

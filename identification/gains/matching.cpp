@@ -183,7 +183,9 @@ bool match_by_prior(Matching& state, std::size_t group) {
   const auto mode = state.groups[group].first;
   const double frequency_hz = state.fit.model.frequency_hz(mode);
   if (!state.options.prior || frequency_hz <= 0.0) return false;
-  const auto found = told_by_prior(sides_of(state, group), frequency_hz, *state.options.prior);
+  const auto& prior = *state.options.prior;
+  const auto all_told = told_by_prior(sides_of(state, group), frequency_hz, prior);
+  const auto& found = all_told.gain;
   const auto p = state.p();
   apply(
       state, group,
@@ -208,10 +210,8 @@ bool match_by_prior(Matching& state, std::size_t group) {
   auto& told = match.modes[static_cast<std::size_t>(mode)];
   told.alpha_std = told.alpha * relative;
   told.sign = state.side * found.sign;
-  if (found.certainty < Constants::sure_sign) {
-    state.match.warnings.push_back(fmt::format(
-        "{}: the simulation tells the sign of its actuators with a certainty of {:.0f} % only",
-        state.mode_name(state.groups[group]), 100.0 * found.certainty));
+  for (const auto& doubt : doubts_of_told(all_told, prior.aside.size())) {
+    match.warnings.push_back(state.mode_name(state.groups[group]) + ": " + doubt);
   }
   return true;
 }

@@ -132,7 +132,9 @@ Fit corrected_fit(const MeasuredShapes& measured, const ModalBasis& basis,
         parameter(corrections[f].name, learned.parameters(static_cast<Eigen::Index>(f))));
   }
   auto& notes = fit.summary.notes;
-  notes.insert(notes.end(), learned.doubts.begin(), learned.doubts.end());
+  for (const auto* doubts : {&learned.doubts, &learned.correction_doubts}) {
+    notes.insert(notes.end(), doubts->begin(), doubts->end());
+  }
   return fit;
 }
 

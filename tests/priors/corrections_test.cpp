@@ -241,6 +241,7 @@ TEST(LearnedCorrections, StayAtNoneWhereTheSimulationIsRight) {
       learned_corrections(measured, all.basis, all.corrections, {.middle = {0.1, 5.0, 1.0, 1.0}});
   EXPECT_LT((learned.parameters.array() / learned.deviation.array()).abs().maxCoeff(), 3.0);
   EXPECT_TRUE(learned.doubts.empty());
+  EXPECT_TRUE(learned.correction_doubts.empty());
 }
 
 TEST(LearnedCorrections, SayWhatIsFarFromPlausible) {
@@ -251,8 +252,10 @@ TEST(LearnedCorrections, SayWhatIsFarFromPlausible) {
   for (auto& one : all.corrections) one.deviation = 0.003;
   const auto learned =
       learned_corrections(measured, all.basis, all.corrections, {.middle = {0.1, 5.0, 1.0, 1.0}});
-  ASSERT_FALSE(learned.doubts.empty());
-  EXPECT_NE(learned.doubts.front().find("mass 1"), std::string::npos) << learned.doubts.front();
+  EXPECT_TRUE(learned.doubts.empty());  // what is left is plausible
+  ASSERT_FALSE(learned.correction_doubts.empty());
+  const auto& first = learned.correction_doubts.front();
+  EXPECT_NE(first.find("mass 1"), std::string::npos) << first;
 }
 
 // The stated noise is ten times the real one: the doubt is that of the noise, not of a correction.
@@ -267,6 +270,7 @@ TEST(LearnedCorrections, SayThatTheNoiseIsNotTheStatedOne) {
   ASSERT_FALSE(learned.doubts.empty());
   EXPECT_TRUE(learned.doubts.front().starts_with("the noise over the stated one is"))
       << learned.doubts.front();
+  EXPECT_TRUE(learned.correction_doubts.empty());
 }
 
 // A real structure of four times the stiffness per mass is no correction's either.

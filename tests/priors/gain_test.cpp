@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/draw.h"
 #include "base/error.h"
@@ -117,6 +118,36 @@ TEST(Gain, OfAPairThatLooksTheOtherWayIsThatOfAPair) {
   EXPECT_NEAR(against.log_gain, along.log_gain, 1e-9);
   EXPECT_NEAR(against.deviation, along.deviation, 1e-9);
   EXPECT_NEAR(against.log_evidence, along.log_evidence, 1e-9);
+}
+
+// Sensors that move three times as much in a second simulation make ln beta 2 ln 3 less: dozens of
+// deviations away, where the evidence is nearly straight and a step of Newton goes anywhere.
+TEST(Gain, NearThatOfAnotherSimulationIsItsOwnWhereverThatIs) {
+  const auto basis = basis_of_minimal();
+  for (Eigen::Index mode = 0; mode < 5; ++mode) {
+    const auto shape = seen_from_both_sides(1, mode, 0.8, 8);
+    const auto near = gain_match(shape, basis);
+    EXPECT_NEAR(log_gain_near(shape, basis, {}, near), near.log_gain, 0.5 * near.deviation);
+    for (const double times : {0.33, 0.98, 1.02, 3.0, 20.0}) {
+      auto other = shape;
+      other.sensors.shapes *= times;
+      const auto own = gain_match(other, basis);
+      EXPECT_NEAR(log_gain_near(other, basis, {}, near), own.log_gain, own.deviation)
+          << mode << " " << times;
+    }
+  }
+}
+
+// A simulation that is no number, or that tells nothing since its sensors see only noise.
+TEST(Gain, NearThatOfAnotherSimulationIsRefusedWhereThatTellsNone) {
+  const auto basis = basis_of_minimal();
+  auto shape = seen_from_both_sides(1, 2, 0.8, 8);
+  const auto near = gain_match(shape, basis);
+  shape.sensors.shapes.setConstant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THROW((void)log_gain_near(shape, basis, {}, near), NumericalFailure);
+  auto unseen = seen_from_both_sides(1, 2, 0.8, 8);
+  unseen.sensor_noise *= 1e4;
+  EXPECT_THROW((void)log_gain_near(unseen, basis, {}, near), NumericalFailure);
 }
 
 TEST(Gain, RefusesASideThatIsMissingOrSeesNothing) {

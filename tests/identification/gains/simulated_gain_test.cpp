@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "base/draw.h"
 #include "identification/channel_gains.h"
+#include "identification/gains/told_by_prior.h"
 #include "simulators/tables/plate_corrections.h"
 #include "simulators/tables/plate_study.h"
 #include "simulators/tables/real_tables.h"
@@ -130,14 +132,15 @@ GainPrior prior_of(const Table& made, bool corrected) {
   return simulated_gain_prior(made.fit, simulation, made.outputs, made.inputs);
 }
 
-// Seen over twenty tables: a median of 1.4 % of beta where the simulation is corrected, 14 % where
+// Seen over twenty tables: a median of 2.3 % of beta where the simulation is corrected, 7.6 % where
 // it is taken as it is; errors of 1.03 deviations, and of 1.24 without what is doubtful of the
-// corrections.
+// corrections. Six tables say 0.94 and 1.14: chance moves such a level by about 0.1, so that only
+// the ratio of the two, 1.15 to 1.3 of each table, tells that the doubts are there.
 TEST(SimulatedGain, IsBetterWithTheCorrectedSimulationAndAsUncertainAsItIsSaidToBe) {
   Errors plain;
   Errors corrected;
   Errors without_doubt;
-  for (const unsigned seed : {1U, 3U, 5U, 6U, 7U, 9U}) {
+  for (const unsigned seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
     const auto made = table(seed);
     plain.add(made, prior_of(made, false));
     auto prior = prior_of(made, true);
@@ -147,9 +150,9 @@ TEST(SimulatedGain, IsBetterWithTheCorrectedSimulationAndAsUncertainAsItIsSaidTo
     without_doubt.add(made, prior);
   }
   EXPECT_LT(corrected.median(), 0.3 * plain.median());
-  EXPECT_NEAR(plain.level(), 1.0, 0.25);
-  EXPECT_NEAR(corrected.level(), 1.0, 0.25);
-  EXPECT_GT(without_doubt.level(), 1.1 * corrected.level());
+  EXPECT_NEAR(plain.level(), 1.0, 0.2);
+  EXPECT_NEAR(corrected.level(), 1.0, 0.2);
+  EXPECT_GT(without_doubt.level(), 1.15 * corrected.level());
 }
 
 // The deviation is that of the evidence and what each simulation aside of the likeliest says.
@@ -204,6 +207,40 @@ TEST(SimulatedGain, HasAnUnknownSignInTheDeviationsOfTheActuators) {
   EXPECT_LT(relative(known, 4), 0.1);
   EXPECT_GT(relative(match, 4), 0.45);  // right with 95 %: 2 times the root of 0.05
   EXPECT_EQ(relative(match, 5), relative(known, 5));
+}
+
+// One that fails of the simulations aside is left out of the deviation, with a word.
+TEST(SimulatedGain, LeavesOutASimulationAsideThatTellsNothing) {
+  const auto made = table(2);
+  auto prior = prior_of(made, true);
+  prior.aside.resize(4);
+  auto fewer = prior;
+  fewer.aside.pop_back();
+  prior.aside.back().outputs.shapes.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const auto match = matched_by(made, prior);
+  const auto without = matched_by(made, fewer);
+  const auto& mode = match.modes[4];
+  EXPECT_EQ(mode.by, MatchedBy::prior);
+  EXPECT_DOUBLE_EQ(mode.alpha_std, without.modes[4].alpha_std);
+  const auto says = [](const std::string& warning) {
+    return warning.find("mode 5 (") == 0 &&
+           warning.find(": 1 of 4 other plausible simulations") != std::string::npos;
+  };
+  EXPECT_EQ(std::ranges::count_if(match.warnings, says), 1);
+  EXPECT_EQ(std::ranges::count_if(without.warnings, says), 0);
+}
+
+// A certainty below the limit is not told as the limit.
+TEST(ToldByPrior, TellsACertaintyBelowTheLimitAsSuch) {
+  const auto doubt = [](double certainty) {
+    ToldByPrior told;
+    told.gain.certainty = certainty;
+    const auto all = doubts_of_told(told, 0);
+    return all.empty() ? std::string{} : all.front();
+  };
+  EXPECT_NE(doubt(0.9499).find("of 94.9 % only"), std::string::npos) << doubt(0.9499);
+  EXPECT_NE(doubt(0.5).find("of 50 % only"), std::string::npos) << doubt(0.5);
+  EXPECT_EQ(doubt(0.95), "");
 }
 
 // A simulation that is far off altogether is no chance.
