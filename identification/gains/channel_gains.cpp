@@ -1,6 +1,5 @@
 #include "identification/channel_gains.h"
 
-#include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
