@@ -51,4 +51,22 @@ Matching matching_of(const MeasuredModes& measured, const RecordedModes& model,
   return result;
 }
 
+std::vector<Partner> partners_of(const Matching& matching, const MeasuredModes& measured,
+                                 const RecordedModes& model, const ShapeUnits& units) {
+  std::vector<Partner> all(matching.model.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (matching.model[i] < 0) continue;
+    all[i] = partner(measured, model, units, static_cast<Index>(i), matching.span[i]);
+  }
+  return all;
+}
+
+Eigen::MatrixXd parts_of(const std::vector<Partner>& partners, Index modes) {
+  Eigen::MatrixXd parts = Eigen::MatrixXd::Zero(modes, std::ssize(partners));
+  for (std::size_t i = 0; i < partners.size(); ++i) {
+    if (partners[i].parts.size() > 0) parts.col(static_cast<Index>(i)) = partners[i].parts;
+  }
+  return parts;
+}
+
 }  // namespace chladni::diagnosis

@@ -25,4 +25,11 @@ struct Matching {
 [[nodiscard]] Matching matching_of(const MeasuredModes& measured, const RecordedModes& model,
                                    const std::vector<Eigen::Index>& partners);
 
+/// The partner of each measured mode; without parts: it has none.
+[[nodiscard]] std::vector<Partner> partners_of(const Matching& matching,
+                                               const MeasuredModes& measured,
+                                               const RecordedModes& model, const ShapeUnits& units);
+/// Their parts, n×m for n modes of the model; 0 where there is no partner.
+[[nodiscard]] Eigen::MatrixXd parts_of(const std::vector<Partner>& partners, Eigen::Index modes);
+
 }  // namespace chladni::diagnosis

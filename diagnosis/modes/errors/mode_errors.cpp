@@ -65,7 +65,10 @@ struct Scene {
   const RecordedModes& model;
   const ShapeUnits& units;
   const MatrixXd& smooth;
+  const Matching& matching;
+  const std::vector<Partner>& partners;  // per measured mode; without parts: none
   SharedColumns columns;
+  MatrixXd outputs, inputs;         // p×m, q×m: shapes of the partners
   std::vector<ModeChange> changes;  // per error of the body
 
   // All hypotheses have the same data: where the study states no damping there is none to compare
@@ -128,21 +131,17 @@ void put_body_errors(Rows& rows, const Place& place, const VectorXd& parts, cons
   }
 }
 
-// What the modes that mix with this one add: to the real parts, or to the imaginary parts.
+// What modes that mix with this one add: to the real parts, or to the imaginary parts.
 enum class Mixed { by_stiffness, by_damping };
-void put_mixed(Rows& rows, const Place& place, Mixed by, const std::vector<MixingMode>& modes,
-               const Scene& scene) {
-  const bool real = by == Mixed::by_stiffness;
-  const auto& shapes = place.is_sensor ? scene.model.outputs : scene.model.inputs;
+/// @param shapes  p×c: of the modes, at the channels of the side, for an error of 1
+void put_mixed(Rows& rows, const Place& place, Mixed by, const MatrixXd& shapes) {
   const double square = square_of(place.side);
   const auto number = [&](Index row, Index column) -> double& {
-    return real ? rows.mixed(row, column) : rows.damped(row + 1, column);
+    return by == Mixed::by_stiffness ? rows.mixed(row, column) : rows.damped(row + 1, column);
   };
-  for (std::size_t l = 0; l < modes.size(); ++l) {
-    const auto column = static_cast<Index>(l);
+  for (Index column = 0; column < shapes.cols(); ++column) {
     for (Index a = 0; a < place.side.count(); ++a) {
-      const double change =
-          modes[l].part * shapes(place.side.rows[at(a)], modes[l].mode) * place.side.recorded(a);
+      const double change = shapes(place.side.rows[at(a)], column) * place.side.recorded(a);
       if (place.first >= 0) number(place.first + 2 * a, column) += change;
       if (place.residue >= 0) {
         number(place.residue, column) += place.side.model(a) * change / square;
@@ -246,13 +245,15 @@ void doubt(Rows& rows, const Place& place, const Disturbed& disturbed) {
 }
 
 // The numbers of a mode that has a partner.
-ModeBlock paired(const Scene& scene, Index i, const Matching& matching,
-                 const Disturbed& disturbed) {
-  const auto& [structure, measured, model, units, smooth, columns, changes] = scene;
-  const Index k = matching.model[at(i)];
-  const Partner other = partner(measured, model, units, i, matching.span[at(i)]);
-  const auto stiffness = mixed_by_stiffness(model, k);
-  const auto damping = mixed_by_damping(measured, model, matching, i);
+ModeBlock paired(const Scene& scene, Index i, const Disturbed& disturbed) {
+  const auto& measured = scene.measured;
+  const auto& model = scene.model;
+  const auto& columns = scene.columns;
+  const auto& changes = scene.changes;
+  const Index k = scene.matching.model[at(i)];
+  const Partner& other = scene.partners[at(i)];
+  const auto stiffness = mixed_by_stiffness(model, k, other.parts);
+  const auto damping = mixed_by_damping(measured, model, scene.matching, i);
   const VectorXd motion = model.motion * other.parts;
   Rows rows(most_rows(measured), columns.count(), std::ssize(stiffness), std::ssize(damping),
             scene.smooth.cols());
@@ -275,8 +276,11 @@ ModeBlock paired(const Scene& scene, Index i, const Matching& matching,
   for (const bool is_sensor : {true, false}) {
     const Place place{is_sensor ? other.sensors : other.actuators, is_sensor,
                       is_sensor ? first_out : first_in, residue};
-    put_mixed(rows, place, Mixed::by_stiffness, stiffness, scene);
-    put_mixed(rows, place, Mixed::by_damping, damping, scene);
+    const MatrixXd& partners = is_sensor ? scene.outputs : scene.inputs;
+    put_mixed(rows, place, Mixed::by_stiffness,
+              shapes_across(stiffness, is_sensor ? model.outputs : model.inputs, partners.col(i),
+                            other.parts));
+    put_mixed(rows, place, Mixed::by_damping, shapes_mixed(damping, partners));
     put_smooth(rows, place, scene);
     put_channel_errors(rows, place, motion, scene);
     put_body_errors(rows, place, other.parts, scene);
@@ -350,7 +354,19 @@ ModeErrors mode_errors(const Structure& structure, const MeasuredModes& measured
                        const Eigen::MatrixXd& smooth, const Disturbed& disturbed,
                        const std::vector<bool>& shares) {
   const SharedColumns none{measured.output_shapes.rows(), measured.input_shapes.rows()};
-  const Scene bare{structure, measured, model, units, smooth, none, {}};
+  const auto partners = partners_of(matching, measured, model, units);
+  const MatrixXd parts = parts_of(partners, model.count());
+  const Scene bare{structure,
+                   measured,
+                   model,
+                   units,
+                   smooth,
+                   matching,
+                   partners,
+                   none,
+                   model.outputs * parts,
+                   model.inputs * parts,
+                   {}};
   Scene whole = bare;
   whole.columns.gains = none.outputs + none.inputs > 1;
   whole.columns.body = static_cast<Index>(body.size());
@@ -366,8 +382,7 @@ ModeErrors mode_errors(const Structure& structure, const MeasuredModes& measured
     const Index k = matching.model[at(i)];
     const bool doubted = disturbed.what == Disturbed::What::mode && disturbed.index == i;
     if (k < 0 && !doubted) errors.penalty += kConstants.alone;
-    errors.blocks.push_back(k < 0 || doubted ? alone(scene, i)
-                                             : paired(scene, i, matching, disturbed));
+    errors.blocks.push_back(k < 0 || doubted ? alone(scene, i) : paired(scene, i, disturbed));
   }
   errors.penalty += kConstants.unmeasured * unseen(bare, matching);
   return errors;
