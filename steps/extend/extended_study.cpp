@@ -54,8 +54,8 @@ bool is_of_modes(const diagnosis::Cause& cause) {
 
 bool is_of_size(const diagnosis::Cause& cause) { return cause.effect == "size_error"; }
 
-// Damping of all modes comes first. A channel has another name after an exchange. Places follow
-// the size of the body.
+// The size of the body comes first, because places follow it; then damping of all modes. A channel
+// has another name after an exchange.
 std::vector<diagnosis::Cause> in_order(std::vector<diagnosis::Cause> causes) {
   std::ranges::stable_partition(causes, is_of_modes);
   if (std::ranges::any_of(causes, is_exchange)) std::ranges::stable_sort(causes, {}, turn_of);
@@ -86,7 +86,7 @@ ExtendedStudy extended_study(std::string_view bytes, const fs::path& file,
       continue;
     }
     result.text = edit.text();
-    if (is_of_size(cause)) growth += by.number("relative");
+    if (is_of_size(cause)) growth = (1.0 + growth) * (1.0 + by.number("relative")) - 1.0;
   }
   static_cast<void>(study::parse_study(result.text, file, allowed));
   study::TomlEdit edit(result.text, file.string());

@@ -109,6 +109,8 @@ TEST(ExtendedStudy, HangsThingsOnTheBodyAsItHasGrown) {
     ASSERT_EQ(study.attachments.size(), 1U);
     EXPECT_LT((study.attachments[0].at.point - Eigen::Vector3d(0.126, -0.084, 0.0)).norm(), 1e-12);
   }
+  const auto twice = read(extended({growth, mass, growth}));
+  EXPECT_NEAR(twice.attachments.at(0).at.point.x(), 0.12 * 1.05 * 1.05, 1e-12);
 }
 
 TEST(ExtendedStudy, VariesTheBody) {
