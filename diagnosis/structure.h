@@ -112,12 +112,28 @@ struct Directional {
   Eigen::MatrixXd along_u, along_v, across, shear;
 };
 
-/// First-order changes of what the study attaches to the body, per relative growth of the body
-/// along u and v about the middle of BodyCells' box: r×r each, or 0×0 for none. The shapes grow
-/// with the body. What is attached keeps its place in space, so it moves on the body, and the body
-/// turns less beneath it. The flexibility of the modes above is left out.
+/// Springs, masses or dashpots of the study as n linear forms on the modes, on the body as drawn
+/// and on smaller and larger ones. Their matrix is the sum of squares, rowsᵀ rows, so it is not
+/// negative on a body of any size.
+struct GrownForms {
+  Eigen::MatrixXd rows;                          ///< n×r: springs [s^-1], masses [1], dashpots
+  Eigen::VectorXd steps;                         ///< m, above 0 and ascending: see `at`
+  std::vector<Eigen::MatrixXd> smaller, larger;  ///< m: n×r for 1 - 1/λ = -step and step
+
+  [[nodiscard]] Eigen::Index count() const { return rows.rows(); }
+  /// n×r on a body that is λ times as large, by = 1 - 1/λ: the polynomial through the rows of that
+  /// side. Beyond the last step they stay.
+  [[nodiscard]] Eigen::MatrixXd at(double by) const;
+  /// r×r: what the matrix gains there.
+  [[nodiscard]] Eigen::MatrixXd gain(double by) const;
+};
+
+/// What the study attaches to the body, on a body that has grown along u and v about the middle of
+/// BodyCells' box. The shapes grow with the body. What is attached keeps its place in space, so it
+/// moves on the body, and the body turns less beneath it. The flexibility of the modes above is
+/// left out. No rows: none is attached.
 struct BeneathAttached {
-  Eigen::MatrixXd springs, masses, dashpots;  ///< [s^-2], [1], [1/s]
+  GrownForms springs, masses, dashpots;
 };
 
 /// A simulation in r modes: rigid-body modes first, then flexible modes to well above the band (two
@@ -131,7 +147,7 @@ struct Structure {
   /// Parts that the study attaches to the body, contained in diag(ω²) [s^-2] and 1: r×r, or 0×0 for
   /// none. An effect that scales the body does not change them.
   Eigen::MatrixXd springs, masses;
-  /// Changes of springs, masses and dashpots on a larger body; without them they move with it.
+  /// Springs, masses and dashpots on a larger body; without them they move with it.
   BeneathAttached grown;
   /// r×r, or 0×0 for none [s^-2]: added to diag(ω²), so that the modes are those of a reference.
   Eigen::MatrixXd correction;

@@ -65,12 +65,15 @@ struct AttachmentTerms {
     Eigen::Vector3d position;   ///< [m], for the rigid-body motions
     Eigen::Vector3d direction;  ///< unit
   };
-  /// The stretch of one spring as a linear form on the displacements.
-  struct Spring {
-    std::vector<std::pair<Eigen::Index, double>> stretch;  ///< degree of freedom, factor
-    double stiffness = 0.0;                                ///< [N/m] or [N m/rad], more than 0
+  /// One spring, mass or dashpot on a linear form of the displacements, such as a stretch: it adds
+  /// value · row rowᵀ.
+  struct Form {
+    std::vector<std::pair<Eigen::Index, double>> row;  ///< degree of freedom, factor
+    double value = 0.0;  ///< [N/m] or [N m/rad] and so on; more than 0
   };
-  std::vector<Spring> springs;                    ///< their sum is `stiffness`
+  /// Their sums are `stiffness`, `mass` and `damping`. Their number and order depend on the
+  /// attachments alone, not on where the sites are.
+  std::vector<Form> springs, masses, dashpots;
   std::vector<Eigen::Triplet<double>> stiffness;  ///< [N/m]
   std::vector<Eigen::Triplet<double>> mass;       ///< [kg]
   std::vector<Eigen::Triplet<double>> damping;    ///< [N s/m]

@@ -46,11 +46,11 @@ std::vector<ChannelChange> moved(const Structure& structure, double longer) {
 }
 
 // What the study attaches keeps its place, too: on the body it moves by (1/λ - 1) of its place, and
-// its turns go as 1/λ. Both follow to first order.
+// its turns go as 1/λ.
 void leave_in_space(State& state, const BeneathAttached& grown, double by) {
-  if (grown.springs.size() > 0) attach_stiffness(state, by * grown.springs);
-  if (grown.masses.size() > 0) attach_mass(state, by * grown.masses);
-  if (grown.dashpots.size() > 0) attach_damping(state, by * grown.dashpots);
+  if (grown.springs.count() > 0) attach_stiffness(state, grown.springs.gain(by));
+  if (grown.masses.count() > 0) attach_mass(state, grown.masses.gain(by));
+  if (grown.dashpots.count() > 0) attach_damping(state, grown.dashpots.gain(by));
 }
 
 // w(x/λ): curvatures go as λ^-2, slopes as 1/λ, areas as λ². Shear stiffness and rotary inertia do

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.h"
 #include "base/index.h"
@@ -98,6 +99,29 @@ ChannelSide part_of(const ChannelSide& side, const std::vector<Eigen::Index>& ro
   return part;
 }
 
+Eigen::MatrixXd GrownForms::at(double by) const {
+  const auto& side = by < 0.0 ? smaller : larger;
+  const Eigen::Index m = steps.size();
+  if (m == 0) return rows;
+  Eigen::VectorXd nodes(m + 1);
+  nodes << 0.0, steps;
+  const double x = std::min(std::abs(by), steps(m - 1));
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rows.rows(), rows.cols());
+  for (Eigen::Index i = 0; i <= m; ++i) {  // Lagrange's form
+    double weight = 1.0;
+    for (Eigen::Index j = 0; j <= m; ++j) {
+      if (j != i) weight *= (x - nodes(j)) / (nodes(i) - nodes(j));
+    }
+    result += weight * (i == 0 ? rows : side[chladni::at(i - 1)]);
+  }
+  return result;
+}
+
+Eigen::MatrixXd GrownForms::gain(double by) const {
+  const Eigen::MatrixXd there = at(by);
+  return there.transpose() * there - rows.transpose() * rows;
+}
+
 Eigen::VectorXd signs_along_normal(const Structure& structure, const ChannelSide& side) {
   const auto& surface = structure.surface;
   const bool is_stated = side.directions.rows() > 0;
@@ -127,8 +151,17 @@ void check(const Structure& structure) {
     if (attached->size() > 0) fits(*attached, r, r, "what is attached to the body");
   }
   const auto& grown = structure.grown;
-  for (const auto* change : {&grown.springs, &grown.masses, &grown.dashpots}) {
-    if (change->size() > 0) fits(*change, r, r, "what is attached to a larger body");
+  for (const auto* forms : {&grown.springs, &grown.masses, &grown.dashpots}) {
+    if (forms->count() == 0) continue;
+    fits(forms->rows, forms->count(), r, "what is attached to a larger body");
+    const auto steps = static_cast<std::size_t>(forms->steps.size());
+    require(forms->smaller.size() == steps && forms->larger.size() == steps,
+            "what is attached to a larger body: one matrix per step is expected");
+    for (const auto* side : {&forms->smaller, &forms->larger}) {
+      for (const auto& rows : *side) {
+        fits(rows, forms->count(), r, "what is attached to a larger body");
+      }
+    }
   }
   if (structure.correction.size() > 0) fits(structure.correction, r, r, "corrected stiffness");
   check_side(structure.outputs, r, "sensors");

@@ -123,7 +123,7 @@ Eigen::MatrixXd stretches(const Motions& motions, const DofMap& dofs,
   for (const auto& spring : attachments.springs) {
     Eigen::Matrix<double, 1, 6> stretch = Eigen::Matrix<double, 1, 6>::Zero();
     double most = 0.0;
-    for (const auto& [dof, factor] : spring.stretch) {
+    for (const auto& [dof, factor] : spring.row) {
       stretch += factor * motions.row(dof);
       most += std::abs(factor) * motions.row(dof).norm();
     }

@@ -55,8 +55,10 @@ void add(Row& row, const SiteMotion& motion, const Eigen::Matrix3Xd& rows,
 }
 
 // Adds value · row rowᵀ, lower triangle: a spring, mass or dashpot on one linear form.
-void add_square(std::vector<Eigen::Triplet<double>>& to, double value, const Row& row) {
+void add_square(std::vector<Eigen::Triplet<double>>& to, std::vector<AttachmentTerms::Form>& forms,
+                double value, const Row& row) {
   if (value == 0.0) return;
+  forms.push_back({{row.begin(), row.end()}, value});
   for (auto i = row.begin(); i != row.end(); ++i) {
     for (auto j = row.begin(); j != std::next(i); ++j) {
       to.emplace_back(static_cast<int>(i->first), static_cast<int>(j->first),
@@ -104,11 +106,11 @@ class Adder {
     for (int axis = 0; axis < 3; ++axis) {
       Row move;
       add(move, motion, motion.displacement, Eigen::Vector3d::Unit(axis));
-      add_square(to_.mass, mass.mass, move);
+      add_mass(mass.mass, move);
       if (principal.eigenvalues()(axis) <= 0.0) continue;
       Row turn;
       add(turn, motion, motion.rotation, principal.eigenvectors().col(axis));
-      add_square(to_.mass, principal.eigenvalues()(axis), turn);
+      add_mass(principal.eigenvalues()(axis), turn);
     }
   }
 
@@ -168,7 +170,7 @@ class Adder {
     const auto motion = motion_at(attachment_.site, below_.here);
     const Eigen::Index own = 3 * body_.node_count() + to_.extra_count();
     to_.extras.push_back({.position = attachment_.site.position, .direction = resonator.direction});
-    add_square(to_.mass, resonator.mass, Row{{own, 1.0}});
+    add_mass(resonator.mass, Row{{own, 1.0}});
     Row row;
     add(row, motion, motion.displacement, -resonator.direction);
     row[own] = 1.0;
@@ -177,7 +179,7 @@ class Adder {
     for (const Eigen::Vector3d& t : {across, Eigen::Vector3d(resonator.direction.cross(across))}) {
       Row carried;
       add(carried, motion, motion.displacement, t);
-      add_square(to_.mass, resonator.mass, carried);
+      add_mass(resonator.mass, carried);
     }
   }
 
@@ -193,10 +195,10 @@ class Adder {
     }
   }
 
+  void add_mass(double mass, const Row& row) const { add_square(to_.mass, to_.masses, mass, row); }
   void add_spring(const Row& row, double stiffness, double damping) const {
-    if (stiffness > 0.0) to_.springs.push_back({{row.begin(), row.end()}, stiffness});
-    add_square(to_.stiffness, stiffness, row);
-    add_square(to_.damping, damping, row);
+    add_square(to_.stiffness, to_.springs, stiffness, row);
+    add_square(to_.damping, to_.dashpots, damping, row);
   }
 
   const mesh::TetMesh& body_;

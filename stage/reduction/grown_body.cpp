@@ -1,21 +1,29 @@
 #include "stage/reduction/grown_body.h"
 
 #include <cmath>
-#include <unordered_map>
+#include <numbers>
 #include <utility>
 #include <variant>
 #include <vector>
-
-#include "stage/reduction/modal_stiffness.h"
 
 namespace chladni::stage {
 namespace {
 
 using Eigen::Index;
-using Triplets = std::vector<Eigen::Triplet<double>>;
 
-constexpr double kGrowth = 1e-4;
-constexpr double kStillBeneath = 0.5;  // largest miss of a place, over the body's motion there
+constexpr double kSmall = 1e-4;  // growth for slopes
+constexpr double kUneven = 0.4;  // part of a miss by which the one to the other side is less
+constexpr double kFarthest = 0.18;
+constexpr int kSteps = 5;
+
+// Steps of 1 - 1/λ, closest at both ends.
+Eigen::VectorXd steps() {
+  Eigen::VectorXd all(kSteps);
+  for (int j = 1; j <= kSteps; ++j) {
+    all(j - 1) = 0.5 * kFarthest * (1.0 - std::cos(std::numbers::pi * j / kSteps));
+  }
+  return all;
+}
 
 mesh::TetMesh grown_mesh(mesh::TetMesh body, const Chart& chart, double by) {
   const Eigen::Matrix<double, 3, 2> along = chart.axes.leftCols<2>();
@@ -39,122 +47,174 @@ struct GrownBody {
   mesh::SiteFinder finder;  // of `mesh`
 };
 
-// An attachment on the larger body, at its place in space.
+// Values at the one or two sites of an attachment, along the axes of the body's frame.
+using AtSites = Eigen::Matrix<double, 2, 3>;
+
+// An attachment on the larger body.
 struct PlacedAnew {
   fem::Attachment attachment;
-  bool is_beneath = true;  // the body lies where the attachment was
+  AtSites misses = AtSites::Zero();  // [m]: from where it was to be
 };
 
-PlacedAnew placed_on(const GrownBody& body, const fem::Attachment& attachment, const Chart& chart) {
-  const Eigen::Vector2d middle = chart.from + 0.5 * chart.size;
+// @param motion  of the sites per growth: zero if they stay in space
+PlacedAnew placed_on(const GrownBody& body, const fem::Attachment& attachment,
+                     const AtSites& motion) {
   PlacedAnew anew{attachment};
-  const auto place = [&](mesh::Site& site) {
-    const auto found = body.finder.nearest(site.position);
-    const double miss = (found.position - site.position).norm();
-    const double moved = std::abs(body.by) * (chart.place(site.position) - middle).norm();
-    anew.is_beneath =
-        anew.is_beneath && !(miss > kStillBeneath * moved + 1e-12 * chart.size.norm());
-    site = found;
+  const auto place = [&](mesh::Site& site, Index row) {
+    const Eigen::Vector3d wanted = site.position + body.by * motion.row(row).transpose();
+    site = body.finder.nearest(wanted);
+    anew.misses.row(row) = (site.position - wanted).transpose();
   };
-  place(anew.attachment.site);
-  if (auto* link = std::get_if<fem::LinkSpring>(&anew.attachment.what)) place(link->other);
+  place(anew.attachment.site, 0);
+  if (auto* link = std::get_if<fem::LinkSpring>(&anew.attachment.what)) place(link->other, 1);
   return anew;
 }
 
-// Φᵀ A Φ of lower triangles on all degrees of freedom, of which few take part.
-Eigen::MatrixXd projected(const Triplets& lower, const Solution& solution, Index count) {
-  const Index own = solution.modes.dof_count();
-  if (lower.empty()) return {};
-  std::unordered_map<Index, Index> row_of;
-  for (const auto& one : lower) {
-    row_of.try_emplace(one.row(), std::ssize(row_of));
-    row_of.try_emplace(one.col(), std::ssize(row_of));
-  }
-  Eigen::MatrixXd shapes(std::ssize(row_of), count);
-  for (const auto& [dof, row] : row_of) {
-    shapes.row(row) = dof < own ? solution.modes.shapes.row(dof).head(count)
-                                : solution.extra_shapes.row(dof - own).head(count);
-  }
-  Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(shapes.rows(), count);
-  for (const auto& one : lower) {
-    const Index i = row_of.at(one.row());
-    const Index j = row_of.at(one.col());
-    forces.row(i) += one.value() * shapes.row(j);
-    if (i != j) forces.row(j) += one.value() * shapes.row(i);
-  }
-  const Eigen::MatrixXd result = shapes.transpose() * forces;
-  return 0.5 * (result + result.transpose());
+// True where the body no longer lies beneath the attachment at `here`, but does at `there`. A face
+// that looks along u or v, or that is curved, moves away by as much on both sides.
+bool is_off(const PlacedAnew& here, const PlacedAnew& there, const Chart& chart) {
+  const Eigen::Matrix2d missed = (here.misses * chart.axes.leftCols<2>()).cwiseAbs();
+  const Eigen::Matrix2d other = (there.misses * chart.axes.leftCols<2>()).cwiseAbs();
+  const double rounding = 1e-8 * chart.size.norm();
+  return ((1.0 - kUneven) * missed.array() > other.array() + rounding).any();
 }
 
-// Differences of the terms of attachments, one after the other.
-class AttachedDifference {
- public:
-  explicit AttachedDifference(const mesh::TetMesh& body, const Chart& chart)
-      : body_(body),
-        chart_(chart),
-        larger_(body, chart, kGrowth),
-        smaller_(body, chart, -kGrowth) {}
+// How the sites follow the faces that they are on, per growth [m].
+AtSites motion_of(const fem::Attachment& attachment, const GrownBody& smaller,
+                  const GrownBody& larger, const Chart& chart) {
+  const auto down = placed_on(smaller, attachment, AtSites::Zero());
+  const auto up = placed_on(larger, attachment, AtSites::Zero());
+  const bool is_off_up = is_off(up, down, chart);
+  const bool is_off_down = is_off(down, up, chart);
+  if (is_off_up == is_off_down) return (up.misses - down.misses) / (larger.by - smaller.by);
+  return is_off_up ? AtSites(down.misses / smaller.by) : AtSites(up.misses / larger.by);
+}
 
-  void add(const fem::Attachment& attachment) {
-    const auto up = placed_on(larger_, attachment, chart_);
-    const auto down = placed_on(smaller_, attachment, chart_);
-    const bool is_even = up.is_beneath == down.is_beneath;
-    const double per_growth = (is_even ? 0.5 : 1.0) / kGrowth;
-    if (is_even || up.is_beneath) {
-      add(fem::terms(larger_.mesh, {up.attachment}), per_growth);
-    } else {
-      add(fem::terms(body_, {attachment}), per_growth);
+// The forms of attachments on one body, in the modes.
+struct Rows {
+  Eigen::MatrixXd springs, masses, dashpots;  // n×r, times the roots of their values
+};
+
+Eigen::MatrixXd in_modes(const std::vector<fem::AttachmentTerms::Form>& forms,
+                         const Solution& solution, Index count, Index extras) {
+  const Index own = solution.modes.dof_count();
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(std::ssize(forms), count);
+  for (Index i = 0; i < rows.rows(); ++i) {
+    const auto& form = forms[static_cast<std::size_t>(i)];
+    for (const auto& [dof, factor] : form.row) {
+      const double by = std::sqrt(form.value) * factor;
+      rows.row(i) += by * (dof < own ? solution.modes.shapes.row(dof).head(count)
+                                     : solution.extra_shapes.row(dof - own + extras).head(count));
     }
-    if (is_even || down.is_beneath) {
-      add(fem::terms(smaller_.mesh, {down.attachment}), -per_growth);
-    } else {
-      add(fem::terms(body_, {attachment}), -per_growth);
+  }
+  return rows;
+}
+
+// All attachments of a solution on its body and on smaller and larger ones.
+class OnSizes {
+ public:
+  OnSizes(const Solution& solution, Index count, const Chart& chart)
+      : solution_(solution), count_(count), chart_(chart) {
+    const GrownBody smaller(solution.model.body, chart, -kSmall);
+    const GrownBody larger(solution.model.body, chart, kSmall);
+    Index extras = 0;
+    for (const auto& one : attachments()) {
+      extras_.push_back(extras);
+      extras += std::holds_alternative<fem::Resonator>(one.what) ? 1 : 0;
+      motions_.push_back(motion_of(one, smaller, larger, chart));
+      here_.push_back(rows_of(extras_.size() - 1, solution.model.body, one));
     }
-    if (std::holds_alternative<fem::Resonator>(attachment.what)) ++extras_;
   }
 
-  [[nodiscard]] diagnosis::BeneathAttached in_modes(const Solution& solution, Index count) const {
-    diagnosis::BeneathAttached result{projected(springs_, solution, count),
-                                      projected(masses_, solution, count),
-                                      projected(dashpots_, solution, count)};
-    if (result.springs.size() > 0) {
-      result.springs =
-          unstrained(std::move(result.springs), solution.modes.frequency_hz.head(count));
+  [[nodiscard]] diagnosis::BeneathAttached result() const {
+    diagnosis::BeneathAttached all;
+    const auto each = {std::pair{&Rows::springs, &all.springs},
+                       std::pair{&Rows::masses, &all.masses},
+                       std::pair{&Rows::dashpots, &all.dashpots}};
+    for (const auto& [kind, forms] : each) {
+      forms->steps = steps();
+      forms->rows = stacked(here_, kind);
     }
-    return result;
+    for (const double step : steps()) {
+      const auto [smaller, larger] = on_both(step);
+      for (const auto& [kind, forms] : each) {
+        forms->smaller.push_back(stacked(smaller, kind));
+        forms->larger.push_back(stacked(larger, kind));
+      }
+    }
+    return all;
   }
 
  private:
-  // The degree of freedom that one attachment brings comes after those of the ones before it.
-  void add(const fem::AttachmentTerms& terms, double by) {
-    const auto own = static_cast<int>(3 * body_.node_count());
-    const auto placed = [&](int dof) { return dof < own ? dof : dof + extras_; };
-    const auto add_to = [&](Triplets& all, const Triplets& more) {
-      for (const auto& one : more) {
-        all.emplace_back(placed(one.row()), placed(one.col()), by * one.value());
-      }
-    };
-    add_to(springs_, terms.stiffness);
-    add_to(masses_, terms.mass);
-    add_to(dashpots_, terms.damping);
+  using All = std::vector<Rows>;  // per attachment
+
+  [[nodiscard]] const std::vector<fem::Attachment>& attachments() const {
+    return solution_.model.attachments;
   }
 
-  const mesh::TetMesh& body_;
+  [[nodiscard]] Rows rows_of(std::size_t i, const mesh::TetMesh& body,
+                             const fem::Attachment& placed) const {
+    const auto terms = fem::terms(body, {placed});
+    const auto shaped = [&](const auto& forms) {
+      return in_modes(forms, solution_, count_, extras_[i]);
+    };
+    return {shaped(terms.springs), shaped(terms.masses), shaped(terms.dashpots)};
+  }
+
+  // Where one of the two bodies does not lie beneath a part, its rows go on as they came from the
+  // other.
+  [[nodiscard]] std::pair<All, All> on_both(double step) const {
+    const GrownBody smaller(solution_.model.body, chart_, 1.0 / (1.0 + step) - 1.0);
+    const GrownBody larger(solution_.model.body, chart_, 1.0 / (1.0 - step) - 1.0);
+    std::pair<All, All> both;
+    for (std::size_t i = 0; i < attachments().size(); ++i) {
+      const auto down = placed_on(smaller, attachments()[i], motions_[i]);
+      const auto up = placed_on(larger, attachments()[i], motions_[i]);
+      const bool is_off_down = is_off(down, up, chart_);
+      const bool is_off_up = is_off(up, down, chart_);
+      Rows less = rows_of(i, smaller.mesh, down.attachment);
+      Rows more = rows_of(i, larger.mesh, up.attachment);
+      if (is_off_down && !is_off_up) less = beyond(here_[i], more);
+      if (is_off_up && !is_off_down) more = beyond(here_[i], less);
+      both.first.push_back(std::move(less));
+      both.second.push_back(std::move(more));
+    }
+    return both;
+  }
+
+  static Rows beyond(const Rows& here, const Rows& other) {
+    return {2.0 * here.springs - other.springs, 2.0 * here.masses - other.masses,
+            2.0 * here.dashpots - other.dashpots};
+  }
+
+  [[nodiscard]] Eigen::MatrixXd stacked(const All& all, Eigen::MatrixXd Rows::*kind) const {
+    Eigen::MatrixXd rows(0, count_);
+    for (const auto& one : all) {
+      const Index before = rows.rows();
+      rows.conservativeResize(before + (one.*kind).rows(), Eigen::NoChange);
+      rows.bottomRows(rows.rows() - before) = one.*kind;
+    }
+    return rows;
+  }
+
+  const Solution& solution_;
+  Index count_;
   const Chart& chart_;
-  GrownBody larger_, smaller_;
-  Triplets springs_, masses_, dashpots_;
-  int extras_ = 0;
+  std::vector<Index> extras_;  // degrees of freedom that the attachments before bring
+  std::vector<AtSites> motions_;
+  All here_;
 };
 
 }  // namespace
 
 diagnosis::BeneathAttached beneath_attached(const Solution& solution, Index count,
                                             const Chart& chart) {
-  const auto& attachments = solution.model.attachments;
-  if (attachments.empty()) return {};
-  AttachedDifference all(solution.model.body, chart);
-  for (const auto& one : attachments) all.add(one);
-  return all.in_modes(solution, count);
+  if (solution.model.attachments.empty()) return {};
+  auto all = OnSizes(solution, count, chart).result();
+  for (Index j = 0; j < count; ++j) {  // a motion at 0 Hz stretches no spring
+    if (solution.modes.frequency_hz(j) == 0.0) all.springs.rows.col(j).setZero();
+  }
+  return all;
 }
 
 }  // namespace chladni::stage

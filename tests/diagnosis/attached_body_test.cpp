@@ -29,15 +29,17 @@ struct Things {
   MatrixXd springs, dashpots, masses;
 };
 
+// Rows of the same, so that Σ rowᵀ row is the matrix.
 // @param longer  the plate is stretched so much about its middle, and they stay in space
-Things things_on(const Structure& plate, double longer = 1.0) {
+Things forms_on(const Structure& plate, double longer) {
   const Index r = plate.mode_count();
-  Things all{MatrixXd::Zero(r, r), MatrixXd::Zero(r, r), MatrixXd::Zero(r, r)};
+  Things all{MatrixXd(0, r), MatrixXd(0, r), MatrixXd(0, r)};
   const Eigen::Vector2d middle = plate.cells.from + 0.5 * plate.cells.size;
   const auto add = [&](double u, double v, MatrixXd& to, double by) {
     const Eigen::Vector2d on_it = middle + (Eigen::Vector2d(u, v) - middle) / longer;
     const VectorXd shape = plate.surface.at(on_it)->shape;
-    to += by * shape * shape.transpose();
+    to.conservativeResize(to.rows() + 1, Eigen::NoChange);
+    to.bottomRows(1) = std::sqrt(by) * shape.transpose();
   };
   constexpr std::array<std::array<double, 2>, 3> kFeet{{{-0.2, -0.25}, {0.27, -0.1}, {0.0, 0.2}}};
   for (const auto& [u, v] : kFeet) {
@@ -47,6 +49,12 @@ Things things_on(const Structure& plate, double longer = 1.0) {
   add(0.12, 0.08, all.masses, 1.5);
   add(-0.21, 0.14, all.masses, 0.8);
   return all;
+}
+
+Things things_on(const Structure& plate, double longer = 1.0) {
+  const Things forms = forms_on(plate, longer);
+  return {forms.springs.transpose() * forms.springs, forms.dashpots.transpose() * forms.dashpots,
+          forms.masses.transpose() * forms.masses};
 }
 
 // The small plate without modes above, whose flexibility a mass that hangs on it would see.
@@ -66,6 +74,18 @@ const Structure& bare() {
     return plate;
   }();
   return made;
+}
+
+// The same on plates of three sizes.
+BeneathAttached grown_things() {
+  constexpr double kStep = 0.02;
+  const Things here = forms_on(bare(), 1.0);
+  const Things less = forms_on(bare(), 1.0 / (1.0 + kStep));
+  const Things more = forms_on(bare(), 1.0 / (1.0 - kStep));
+  const auto forms = [&](MatrixXd Things::*kind) {
+    return GrownForms{here.*kind, VectorXd::Constant(1, kStep), {less.*kind}, {more.*kind}};
+  };
+  return {forms(&Things::springs), forms(&Things::masses), forms(&Things::dashpots)};
 }
 
 void turn(std::vector<MatrixXd>& matrices, const MatrixXd& by) {
@@ -271,16 +291,14 @@ TEST(AttachedBody, LeavesWhatIsAttachedInItsPlaceWhenItGrows) {
   const MatrixXcd expected = responses(larger, some_lines());
   const MatrixXcd taken_along = with_size_error(bare());
   Structure plate = bare();
-  constexpr double kStep = 1e-5;
-  const Things more = things_on(bare(), 1.0 + kStep);
-  const Things less = things_on(bare(), 1.0 - kStep);
-  plate.grown = {(more.springs - less.springs) / (2.0 * kStep),
-                 (more.masses - less.masses) / (2.0 * kStep),
-                 (more.dashpots - less.dashpots) / (2.0 * kStep)};
+  plate.grown = grown_things();
   check(plate);
   EXPECT_GT((taken_along - expected).norm(), 1e-3 * expected.norm());
   EXPECT_LT((with_size_error(plate) - expected).norm(), 0.03 * (taken_along - expected).norm());
-  plate.grown.masses.resize(3, 3);
+  plate.grown.masses.rows.resize(3, 3);
+  EXPECT_THROW(check(plate), InvalidInput);
+  plate.grown = grown_things();
+  plate.grown.springs.larger.pop_back();
   EXPECT_THROW(check(plate), InvalidInput);
 }
 

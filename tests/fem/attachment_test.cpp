@@ -148,7 +148,7 @@ TEST_P(AttachmentOn, LinksAndResonatorsLetRigidMotionsPass) {
   }
 }
 
-TEST_P(AttachmentOn, MatricesArePositiveSemidefinite) {
+TEST_P(AttachmentOn, MatricesArePositiveSemidefiniteSumsOfForms) {
   const auto t = terms(body_, all_);
   std::map<int, Eigen::Index> place;  // of the degrees of freedom that are touched
   for (const auto* list : {&t.stiffness, &t.mass, &t.damping}) {
@@ -164,6 +164,17 @@ TEST_P(AttachmentOn, MatricesArePositiveSemidefinite) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(lower, Eigen::EigenvaluesOnly);
     EXPECT_GT(solver.eigenvalues().maxCoeff(), 0.0);
     EXPECT_GT(solver.eigenvalues().minCoeff(), -1e-13 * solver.eigenvalues().maxCoeff());
+  }
+  const auto u = on_all(body_, t, [](const auto& x) { return x.cwiseAbs2().eval(); });
+  for (const auto& [forms, lower] :
+       {std::pair{&t.springs, &t.stiffness}, {&t.masses, &t.mass}, {&t.dashpots, &t.damping}}) {
+    double sum = 0.0;
+    for (const auto& [row, value] : *forms) {
+      double form = 0.0;
+      for (const auto& [dof, factor] : row) form += factor * u(dof);
+      sum += value * form * form;
+    }
+    EXPECT_NEAR(sum, quadratic(*lower, u), 1e-9 * sum);
   }
 }
 
