@@ -347,6 +347,19 @@ TEST_F(Answer, DoesNotPutADisturbanceBeforeAPairThatIsNotSupported) {
   EXPECT_EQ(found.best.causes.front().effect, "point_mass");
 }
 
+// A mode that a string splits explained 8 in ln evidence if it is not believed, at 0.50.
+TEST_F(Answer, IsNotUnexplainedByAModeThatIsDoubtedALittle) {
+  ModesFit disturbed = found_.nothing;
+  disturbed.disturbed = {Disturbed::What::mode, 2};
+  disturbed.log_evidence -= 5.0;
+  found_.disturbed.assign(16, disturbed);  // each mode and each channel was doubted
+  found_.disturbed.back().log_evidence += 13.0;
+  found_.evidence_power = 0.6;
+  EXPECT_EQ(told().verdict, Verdict::no_discrepancy);
+  found_.disturbed.back().log_evidence += 22.0;
+  EXPECT_EQ(told().verdict, Verdict::unexplained);
+}
+
 // The sign of one channel is no simpler case of the gain of another.
 TEST_F(Answer, NamesTheChannelThatItIs) {
   add({gain(2)}, 30.0);
