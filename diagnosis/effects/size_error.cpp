@@ -47,10 +47,8 @@ std::vector<ChannelChange> moved(const Structure& structure, double longer) {
 
 // What the study attaches keeps its place, too: on the body it moves by (1/λ - 1) of its place, and
 // its turns go as 1/λ.
-void leave_in_space(State& state, const BeneathAttached& grown, double by) {
-  if (grown.springs.count() > 0) attach_stiffness(state, grown.springs.gain(by));
-  if (grown.masses.count() > 0) attach_mass(state, grown.masses.gain(by));
-  if (grown.dashpots.count() > 0) attach_damping(state, grown.dashpots.gain(by));
+MatrixXd gain_of(const GrownForms& forms, double by) {
+  return forms.count() > 0 ? forms.gain(by) : MatrixXd();
 }
 
 // w(x/λ): curvatures go as λ^-2, slopes as 1/λ, areas as λ². Shear stiffness and rotary inertia do
@@ -59,24 +57,29 @@ std::function<void(State&)> stretching(const Structure& structure, Index /*optio
                                        const VectorXd& x) {
   const double longer = std::exp(x(0));
   const double area = longer * longer;
+  const double by = 1.0 - 1.0 / longer;
   const Index r = structure.mode_count();
-  return [area, shear = all_of(structure.cells.shear, 1.0 - 1.0 / area, r),
-          turning = all_of(structure.cells.rotary, 1.0 - area, r),
-          outputs = moved<Side::sensors>(structure, longer),
-          inputs = moved<Side::actuators>(structure, longer), grown = structure.grown,
-          by = 1.0 - 1.0 / longer](State& state) {
-    scale_stiffness(state, 1.0 / area);
-    scale_mass(state, area);
-    state.stiffness += shear;
-    state.mass += turning;
-    leave_in_space(state, grown, by);
-    for (std::size_t i = 0; i < outputs.size(); ++i) {
-      move_channel(state, Side::sensors, static_cast<Index>(i), outputs[i]);
-    }
-    for (std::size_t j = 0; j < inputs.size(); ++j) {
-      move_channel(state, Side::actuators, static_cast<Index>(j), inputs[j]);
-    }
-  };
+  return
+      [area, shear = all_of(structure.cells.shear, 1.0 - 1.0 / area, r),
+       turning = all_of(structure.cells.rotary, 1.0 - area, r),
+       outputs = moved<Side::sensors>(structure, longer),
+       inputs = moved<Side::actuators>(structure, longer),
+       springs = gain_of(structure.grown.springs, by), masses = gain_of(structure.grown.masses, by),
+       dashpots = gain_of(structure.grown.dashpots, by)](State& state) {
+        scale_stiffness(state, 1.0 / area);
+        scale_mass(state, area);
+        state.stiffness += shear;
+        state.mass += turning;
+        if (springs.size() > 0) attach_stiffness(state, springs);
+        if (masses.size() > 0) attach_mass(state, masses);
+        if (dashpots.size() > 0) attach_damping(state, dashpots);
+        for (std::size_t i = 0; i < outputs.size(); ++i) {
+          move_channel(state, Side::sensors, static_cast<Index>(i), outputs[i]);
+        }
+        for (std::size_t j = 0; j < inputs.size(); ++j) {
+          move_channel(state, Side::actuators, static_cast<Index>(j), inputs[j]);
+        }
+      };
 }
 
 // Frequencies go as λ^-2.

@@ -118,9 +118,11 @@ Verdict verdict_of(const ModesProblem& problem, const ModesFound& found, const W
   const auto& fit = *all.fits.front();
   if (at_a_limit(problem, fit) || has_few_partners(fit)) return Verdict::unexplained;
   if (!fit.causes.empty() && has_poor_frequencies(problem, fit)) return Verdict::unexplained;
-  // That a mode or a channel is not to be believed needs the evidence of a cause, too.
+  // That a mode or a channel is not to be believed needs the evidence and the probability of a
+  // cause, too.
   if (fit.disturbed.what != Disturbed::What::nothing) {
-    return best.log_evidence < least_evidence ? Verdict::no_discrepancy : Verdict::unexplained;
+    const bool sure = best.log_evidence >= least_evidence && best.probability >= kConstants.sure;
+    return sure ? Verdict::unexplained : Verdict::no_discrepancy;
   }
   if (best.causes.empty()) return Verdict::no_discrepancy;
   if (is_another_body(best)) return Verdict::unexplained;

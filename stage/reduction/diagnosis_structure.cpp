@@ -171,7 +171,6 @@ diagnosis::Structure structure_of(const study::Study& study, const Solution& sol
     structure.dashpots = reduced.dampers.shapes.transpose() * reduced.dampers.shapes;
   }
   add_attached(model, modes, structure);
-  structure.grown = beneath_attached(solution, count, chart);
   structure.outputs = side_of(study.sensors, model.sensors, finder, chart, modes);
   structure.inputs = side_of(study.actuators, model.actuators, finder, chart, modes);
   structure.outputs.upper = upper_rows(study.sensors, model.sensors, beyond);
@@ -184,7 +183,10 @@ diagnosis::Structure structure_of(const study::Study& study, const Solution& sol
   structure.thickness = chart.height;
   structure.mass_kg = model.mass.mass_kg;
   structure.bending_power = thin ? 3.0 : 0.0;
-  if (thin) structure.directional = directional_of(model, modes, chart);
+  if (thin) {  // bodies of which size_error and orthotropy may be said
+    structure.grown = beneath_attached(solution, count, chart);
+    structure.directional = directional_of(model, modes, chart);
+  }
   check(structure);
   return structure;
 }
