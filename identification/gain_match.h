@@ -122,6 +122,11 @@ struct GainMatch {
                                     ///< has the same rms on both sides, which is a guess
   Eigen::MatrixXd input_shapes;     ///< m×q [kg^-1/2], all actuators, in the scale of `shapes`
   Eigen::MatrixXd input_deviation;  ///< m×q
+  /// Covariances of (ω_m, ζ_m, φ at the p sensors, input_shapes), (2+p+q) squared, in [rad/s], [1]
+  /// and kg^-1/2, that the errors of the fit leave; what a simulation or a bending leaves open of
+  /// the scale is in the deviations alone. Empty for blocks, modes at 0 Hz and modes without a
+  /// scale.
+  std::vector<Eigen::MatrixXd> mode_covariance;
   Eigen::MatrixXd residual;  ///< p×q: of the fit, in the signs and gains of the shapes; or empty
   /// p×q: false where the response was not measured; the residual there has no meaning. Where none
   /// was fitted it is known to be 0. Empty: all are known.

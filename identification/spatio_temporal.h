@@ -28,8 +28,10 @@ struct PredictedResponses {
   /// [k], each n×q: √E|δG|² from the poles and input vectors (covariance of the fit),
   /// the shapes, the residual, the gain of the sensor and the delay. The rigid-body modes are one
   /// part: with a body both of their factors err together. The other modes are independent of each
-  /// other, as are the shape and the input vector of each. The error of Re G and of Im G is within
-  /// 1.96/√2 of it in 95 % of the cases, |δG| within 1.73. Infinite where a part is not known.
+  /// other. Of each, the scale of all its shapes errs together with its input vector and its pole,
+  /// as the fit says; what the shape has beside its scale is independent of them. The error of Re G
+  /// and of Im G is within 1.96/√2 of it in 95 % of the cases, |δG| within 1.73. Infinite where a
+  /// part is not known.
   std::vector<Eigen::MatrixXd> deviation;
 };
 

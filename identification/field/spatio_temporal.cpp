@@ -14,6 +14,7 @@
 #include "base/turn.h"
 #include "dense/algebra.h"
 #include "identification/delay_scan.h"
+#include "identification/field/mode_spread.h"
 #include "identification/field/rigid_band.h"
 
 namespace chladni::identification {
@@ -63,33 +64,6 @@ Complex half_resonance(double own, double ratio, double omega) {
   return 1.0 / (Complex(0.0, 2.0 * damped) * (Complex(0.0, omega) - pole));
 }
 
-// Covariances of ω, ζ and the input vector of a mode, in the scale of the match.
-struct ModeSpread {
-  Eigen::Matrix2d pole = Eigen::Matrix2d::Zero();
-  Eigen::RowVectorXd input;  // q: variances
-  Eigen::MatrixX2d mixed;    // q×2: covariances with ω and ζ
-};
-
-ModeSpread spread(const ModalFit& fit, const Eigen::MatrixXd& inputs, Eigen::Index m) {
-  const auto p = fit.model.output_count();
-  const auto q = fit.model.input_count();
-  const auto& all = fit.mode_covariance[static_cast<std::size_t>(m)];
-  const auto& fitted = fit.model.input_shapes.row(m);
-  const double square = fitted.squaredNorm();
-  const double gain = square > 0.0 ? inputs.row(m).dot(fitted) / square : 1.0;
-  ModeSpread result;
-  result.pole = all.topLeftCorner<2, 2>();
-  result.input = gain * gain * all.diagonal().tail(q).transpose();
-  result.mixed = gain * all.block(2 + p, 0, q, 2);
-  return result;
-}
-
-std::vector<ModeSpread> spreads_of(const ModalFit& fit, const Eigen::MatrixXd& inputs) {
-  std::vector<ModeSpread> all;
-  for (Eigen::Index m = 0; m < fit.model.mode_count(); ++m) all.push_back(spread(fit, inputs, m));
-  return all;
-}
-
 // Variance of the delays of the sensors that were measured, about their mean [s²].
 double scatter(const ModalFit& fit) {
   std::vector<double> known;
@@ -126,6 +100,33 @@ Eigen::RowVectorXd input_variance(const Resonance& h, const ModeSpread& own,
     result(j) = std::norm(h.value) * own.input(j) + pole.real() + 2.0 * mixed.real();
   }
   return result;
+}
+
+// The part of the scale's error that the deviation of each shape holds: 1 where the shapes at the
+// channels tell the place, less where other knowledge makes it surer than their scale is.
+Eigen::ArrayXd part_of_scale(const Eigen::ArrayXd& shape, const Eigen::ArrayXd& deviation,
+                             double scale_std) {
+  const Eigen::ArrayXd open = shape.abs() * scale_std;
+  return (open > deviation).select(deviation / open, 1.0);
+}
+
+// Variance of the responses of one mode, n×q: δG = h (r δφ + φ δr + δφ δr) + φ r (h_ω δω + h_ζ δζ).
+// δφ is φ times the scale's error, which goes with the rest, and a remainder that does not.
+Eigen::MatrixXd mode_variance(const Resonance& h, const ModeSpread& own,
+                              const Eigen::RowVectorXd& input, const Eigen::VectorXd& shape,
+                              const Eigen::VectorXd& deviation) {
+  const double square = std::norm(h.value);
+  Eigen::MatrixXd variance = shape.cwiseAbs2() * input_variance(h, own, input) +
+                             square * deviation.cwiseAbs2() * (input.cwiseAbs2() + own.input);
+  if (own.scale.deviation == 0.0) return variance;
+  const Complex by_poles = h.by_omega * own.scale.pole(0) + h.by_damping * own.scale.pole(1);
+  const Eigen::RowVectorXd with_rest = square * input.cwiseProduct(own.scale.input) +
+                                       (std::conj(h.value) * by_poles).real() * input.cwiseAbs2();
+  const Eigen::VectorXd held = part_of_scale(shape, deviation, own.scale.deviation);
+  const Eigen::VectorXd moved = shape.cwiseProduct(held);
+  variance += 2.0 * shape.cwiseProduct(moved) * with_rest +
+              2.0 * square * moved.cwiseAbs2() * own.scale.input.cwiseAbs2();
+  return variance;
 }
 
 // Root of each variance. A variance below zero by rounding gives zero; an unknown one is infinite.
@@ -206,7 +207,7 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
           "predicted responses: a free body has no response at 0 Hz; leave that line out");
   const auto n = places.shapes.rows();
   const Eigen::MatrixXd inputs = driving_shapes(match);
-  const auto spreads = spreads_of(fit, inputs);
+  const auto spreads = mode_spreads(fit, match);
   const auto q = inputs.cols();
   PredictedResponses result;
   const auto delay = input_delays(fit);
@@ -224,9 +225,8 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
       const Eigen::RowVectorXd input = inputs.row(m);
       if (!fit.complex) value += h.value * (places.shapes.col(m) * input).cast<Complex>();
       if (m < model.rigid_count) continue;
-      variance += places.shapes.col(m).cwiseAbs2() *
-                      input_variance(h, spreads[static_cast<std::size_t>(m)], input) +
-                  std::norm(h.value) * places.deviation.col(m).cwiseAbs2() * input.cwiseAbs2();
+      variance += mode_variance(h, spreads[static_cast<std::size_t>(m)], input,
+                                places.shapes.col(m), places.deviation.col(m));
       if (!fit.complex) continue;
       const auto half =
           half_resonance(kTwoPi * model.frequency_hz(m), model.damping_ratio(m), omega);

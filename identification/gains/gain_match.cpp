@@ -241,12 +241,19 @@ void mark_unknown(const ModalFit& fit, Matching& state) {
   const auto unknown = [](double deviation) { return !std::isfinite(deviation); };
   auto& match = state.match;
   for (Eigen::Index k = 0; k < m; ++k) {
+    auto& covariance = match.mode_covariance[static_cast<std::size_t>(k)];
+    const auto mark = [&](Eigen::Index at) {
+      if (covariance.size() > 0) covariance(at, at) = kInfinite;
+    };
     for (Eigen::Index i = 0; i < state.p(); ++i) {
-      if (unknown(fit.output_std(i, k))) match.deviation(i, k) = kInfinite;
+      if (!unknown(fit.output_std(i, k))) continue;
+      match.deviation(i, k) = kInfinite;
+      mark(2 + i);
     }
     for (Eigen::Index j = 0; j < state.q(); ++j) {
       if (!unknown(fit.input_std(k, j))) continue;
       match.input_deviation(k, j) = state.at_inputs_std(j, k) = kInfinite;
+      mark(2 + state.p() + j);
     }
   }
 }
@@ -258,6 +265,7 @@ Matching started(const ModalFit& fit, const Channels& outputs, const Channels& i
   bound_unknown(state.fit);
   state.ratios = place_ratios(options.pairs, m, options.simulation_error);
   state.match.modes.resize(static_cast<std::size_t>(m));
+  state.match.mode_covariance.resize(static_cast<std::size_t>(m));
   state.match.pairs.resize(options.pairs.size());
   state.match.shapes = state.match.deviation = Eigen::MatrixXd::Zero(state.p(), m);
   state.match.input_shapes = state.match.input_deviation = Eigen::MatrixXd::Zero(m, state.q());

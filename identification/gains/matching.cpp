@@ -40,6 +40,22 @@ Ties ties_of(const Matching& state, std::size_t group) {
 
 using Scaling = std::function<OneScale(const TwoSides&)>;
 
+// Covariance of ω, ζ and both sides of a mode, with the sign of the sides; the poles have none
+// where the fit gives none.
+Eigen::MatrixXd with_poles(const Matching& state, Eigen::Index mode, const TwoSides& sides) {
+  const auto both = sides.covariance.rows();
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(2 + both, 2 + both);
+  covariance.bottomRightCorner(both, both) = sides.covariance;
+  if (mode >= std::ssize(state.fit.mode_covariance)) return covariance;
+  const auto& fitted = state.fit.mode_covariance[static_cast<std::size_t>(mode)];
+  if (fitted.rows() != 2 + both) return covariance;
+  covariance.topRows(2) = fitted.topRows(2);
+  covariance.leftCols(2) = fitted.leftCols(2);
+  covariance.topRightCorner(2, state.q()) *= state.side;
+  covariance.bottomLeftCorner(state.q(), 2) *= state.side;
+  return covariance;
+}
+
 // Scales the mode and computes the deviations of all results.
 void apply(Matching& state, std::size_t group, const Scaling& scaling, MatchedBy by) {
   const auto mode = state.groups[group].first;
@@ -48,23 +64,26 @@ void apply(Matching& state, std::size_t group, const Scaling& scaling, MatchedBy
   const auto sides = sides_of(state, group);
   const auto n = sides.ties.count();
   const auto scaled = scaling(sides);
-  Eigen::VectorXd x(p + q + n);
-  x << sides.outputs, sides.inputs, sides.ties.ratio;
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(p + q + n, p + q + n);
-  covariance.topLeftCorner(p + q, p + q) = sides.covariance;
+  Eigen::VectorXd x(2 + p + q + n);
+  x << Eigen::Vector2d::Zero(), sides.outputs, sides.inputs, sides.ties.ratio;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(x.size(), x.size());
+  covariance.topLeftCorner(2 + p + q, 2 + p + q) = with_poles(state, mode, sides);
   covariance.bottomRightCorner(n, n) = sides.ties.ratio_std.cwiseAbs2().asDiagonal();
   const auto value = [&](const Eigen::VectorXd& at) {
     auto moved = sides;
-    moved.outputs = at.head(p);
-    moved.inputs = at.segment(p, q);
+    moved.outputs = at.segment(2, p);
+    moved.inputs = at.segment(2 + p, q);
     moved.ties.ratio = at.tail(n);
     const auto one = scaling(moved);
-    Eigen::VectorXd all(p + 2 * q + 1);
-    all << one.outputs, one.inputs, one.at_inputs, one.log_alpha;
+    Eigen::VectorXd all(2 + p + 2 * q + 1);
+    all << at.head(2), one.outputs, one.inputs, one.at_inputs, one.log_alpha;
     return all;
   };
-  const Eigen::VectorXd deviation = propagated(value, x, covariance_factor(covariance));
+  const auto factor = propagated_factor(value, x, covariance_factor(covariance));
+  const Eigen::VectorXd deviation = factor.bottomRows(p + 2 * q + 1).rowwise().norm();
+  const auto followed = factor.topRows(2 + p + q);
   auto& match = state.match;
+  match.mode_covariance[static_cast<std::size_t>(mode)] = followed * followed.transpose();
   match.shapes.col(mode).head(p) = scaled.outputs;
   match.deviation.col(mode).head(p) = deviation.head(p);
   match.input_shapes.row(mode) = scaled.inputs.transpose();

@@ -70,6 +70,32 @@ void draw_rigid(identification::ModalFit& fit, Draw& draw) {
   model.input_shapes.topRows(r) += change.tail(r * q).reshaped(r, q);
 }
 
+// The relative change of all shapes of a mode at once.
+struct ScaleChange {
+  double drawn = 0.0, deviation = 0.0;
+};
+
+// 0 of modes at 0 Hz, whose basis is free, and where the fit does not tell it.
+ScaleChange scale_of(const identification::ModalFit& fit, const identification::ModalFit& drawn,
+                     Eigen::Index m) {
+  if (m < fit.model.rigid_count) return {};
+  const auto p = fit.model.output_count();
+  const Eigen::VectorXd shapes = fit.model.output_shapes.col(m);
+  const double square = shapes.squaredNorm();
+  const Eigen::MatrixXd own = fit.mode_covariance[static_cast<std::size_t>(m)].block(2, 2, p, p);
+  if (square == 0.0 || !own.allFinite()) return {};
+  return {shapes.dot(drawn.model.output_shapes.col(m) - shapes) / square,
+          std::sqrt(std::max(0.0, shapes.dot(own * shapes))) / square};
+}
+
+// The deviation holds the change of the scale as far as it is large enough, and a rest.
+double drawn_shape(double shape, double deviation, const ScaleChange& scale, double normal) {
+  const double open = std::abs(shape) * scale.deviation;
+  const double held = open > deviation ? deviation / open : 1.0;
+  const double rest = std::sqrt(std::max(0.0, deviation * deviation - held * open * held * open));
+  return shape * (1.0 + held * scale.drawn) + rest * normal;
+}
+
 }  // namespace
 
 Eigen::Index unknown_numbers(const IdentifiedModel& model, const Eigen::MatrixXd& points) {
@@ -112,15 +138,18 @@ identification::ModalFit drawn_fit(const IdentifiedModel& identified, Draw& draw
 }
 
 identification::ObservedPlaces drawn_places(identification::ObservedPlaces places,
-                                            const Observer& observer, Draw& draw) {
+                                            const Observer& observer,
+                                            const identification::ModalFit& drawn, Draw& draw) {
   const auto& deviation = observer.places.at_points.deviation;
   const auto& model = identified_of(*observer.shapes);
   for (Eigen::Index m = 0; m < deviation.cols(); ++m) {
     if (stays(model, m)) continue;
     const double size = rms_of(model.match.shapes.col(m));
+    const auto scale = scale_of(model.found.fit, drawn, m);
     for (Eigen::Index i = 0; i < deviation.rows(); ++i) {
       const bool known = std::isfinite(deviation(i, m));
-      places.at_points.shapes(i, m) += (known ? deviation(i, m) : size) * draw.normal();
+      auto& shape = places.at_points.shapes(i, m);
+      shape = drawn_shape(shape, known ? deviation(i, m) : size, scale, draw.normal());
     }
   }
   return places;

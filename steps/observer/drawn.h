@@ -20,8 +20,11 @@ namespace chladni::steps {
 /// stay.
 [[nodiscard]] identification::ModalFit drawn_fit(const IdentifiedModel& identified, Draw& draw);
 
-/// The shapes at the points by their deviations, likewise.
+/// The shapes at the points by their deviations, likewise. By as much as all shapes of a mode are
+/// off in `drawn`, those at the points are too, as far as their deviation allows.
 [[nodiscard]] identification::ObservedPlaces drawn_places(identification::ObservedPlaces places,
-                                                          const Observer& observer, Draw& draw);
+                                                          const Observer& observer,
+                                                          const identification::ModalFit& drawn,
+                                                          Draw& draw);
 
 }  // namespace chladni::steps

@@ -247,8 +247,8 @@ LoopTrial loop_trial(const study::Study& study, const Observer& observer, stage:
   for (int k = 0; k < kLoopDraws; ++k) {
     tell(work.progress(), "drawn models", static_cast<double>(k) / kLoopDraws);
     const auto other = drawn_fit(model, draw);
-    const auto plant =
-        disturbed(observer, plant_with_axes(observer, other, drawn_places(places, observer, draw)));
+    const auto plant = disturbed(
+        observer, plant_with_axes(observer, other, drawn_places(places, observer, other, draw)));
     on_sensors.add(plant, models.sensors, lines);
     on_estimate.add(plant, models.estimate, lines);
   }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <vector>
 
@@ -86,6 +87,43 @@ TEST(DrawnModels, ScatterByTheCovarianceOfTheFit) {
   expect_alike(rigid, fit.rigid_covariance);
   expect_alike(flexible[0], fit.mode_covariance[2]);
   expect_alike(flexible[1], fit.mode_covariance[3]);
+}
+
+// Shapes at points scatter by their own deviations. What is wrong of the scale of all shapes is
+// wrong of theirs too, but never beyond the deviation that is theirs.
+TEST(DrawnModels, HaveShapesAtPointsWithTheScaleOfTheFit) {
+  const auto identified = uncertain();
+  const auto& fit = identified.found.fit;
+  const auto shapes = std::make_shared<Interpolated>();
+  shapes->measured.identified = std::make_shared<const IdentifiedModel>(identified);
+  Observer observer;
+  observer.shapes = shapes;
+  auto& points = observer.places.at_points;
+  points.shapes = Eigen::MatrixXd::Constant(2, kModes, 0.5);
+  points.deviation = Eigen::MatrixXd(2, kModes);
+  points.deviation << 0.1, 0.1, 0.1, 0.1, 1e-5, 1e-5, 1e-5, 1e-5;
+  const Index m = kRigid;
+  const Eigen::VectorXd own = fit.model.output_shapes.col(m);
+  const Eigen::MatrixXd covariance = fit.mode_covariance[2].block(2, 2, kOutputs, kOutputs);
+  const double scale = std::sqrt(own.dot(covariance * own)) / own.squaredNorm();
+  Draw draw(2);
+  constexpr int kDraws = 3000;
+  Eigen::Vector2d square(0.0, 0.0), with_scale(0.0, 0.0);
+  for (int k = 0; k < kDraws; ++k) {
+    const auto other = drawn_fit(identified, draw);
+    const auto places = drawn_places(observer.places, observer, other, draw);
+    const Eigen::Vector2d off = places.at_points.shapes.col(m) - points.shapes.col(m);
+    const double change = own.dot(other.model.output_shapes.col(m) - own) / own.squaredNorm();
+    square += off.cwiseAbs2() / kDraws;
+    with_scale += change * off / kDraws;
+  }
+  for (const Index i : {0, 1}) {
+    const double deviation = points.deviation(i, m);
+    EXPECT_NEAR(std::sqrt(square(i)) / deviation, 1.0, 0.05) << i;
+    const double told = std::min(0.5 * scale, deviation) * scale;
+    EXPECT_NEAR(with_scale(i), told, 6.0 * scale * deviation / std::sqrt(kDraws)) << i;
+  }
+  EXPECT_GT(0.5 * scale, points.deviation(1, m));
 }
 
 TEST(DrawnModels, CountWhatIsNotKnownOfModesAtZeroToo) {
