@@ -168,10 +168,10 @@ struct Structure {
   [[nodiscard]] Eigen::Index input_count() const { return inputs.count(); }
 };
 
-/// c: −1 for each channel of the side that points against the normal of the chart, by a cosine
-/// beyond Constants::against_normal; 1 for the others. A side that states no directions is judged
-/// by its shapes, beside those of the nearest place of the scan.
-[[nodiscard]] Eigen::VectorXd signs_along_normal(const Structure& structure,
+/// c: what each channel of the side sees of a motion along the normal of the chart: the cosine of
+/// its direction. A side that states no directions is judged by its shapes, beside those of the
+/// nearest place of the scan: −1 where their cosine is below −Constants::against_normal, else 1.
+[[nodiscard]] Eigen::VectorXd parts_along_normal(const Structure& structure,
                                                  const ChannelSide& side);
 
 /// @throws InvalidInput  array sizes do not agree, an entry is not finite

@@ -42,6 +42,11 @@ struct PredictedResponses {
                                            const PlacesOfInterest& places,
                                            const Eigen::VectorXd& frequency_hz);
 
+/// The part of the error of a mode's scale that the deviation of one of its shapes holds: 1 where
+/// the shapes at the channels tell the place, less where other knowledge makes it surer than their
+/// scale is.
+[[nodiscard]] double part_of_scale(double shape, double deviation, double scale_std);
+
 /// q [s]: by how much the responses to each actuator are late at a place without a sensor: delays
 /// of outputs enter by their mean.
 [[nodiscard]] Eigen::VectorXd input_delays(const ModalFit& fit);

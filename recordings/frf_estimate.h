@@ -19,12 +19,12 @@ struct FrfEstimateOptions {
   /// The transient of the start is taken off all periods, and none is dropped (local_transient.h).
   /// For recordings: spectra have lost what lies between their lines.
   bool remove_transient = false;
-  std::optional<Eigen::Index> drop;    ///< periods at the start; none: transient() decides
-  double low_hz = 0.0, high_hz = 0.0;  ///< high 0: all excited lines
+  std::optional<Eigen::Index> drop = {};  ///< periods at the start; none: transient() decides
+  double low_hz = 0.0, high_hz = 0.0;     ///< high 0: all excited lines
   /// Variances are averaged over this number of lines on each side (estimate/line_variance.h).
   /// None: enough lines that a variance has 14 degrees of freedom, at most 5 (a weight with few
   /// degrees costs efficiency).
-  std::optional<Eigen::Index> smooth_lines;
+  std::optional<Eigen::Index> smooth_lines = {};
 };
 
 struct FrfEstimate {

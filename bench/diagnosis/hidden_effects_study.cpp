@@ -1,17 +1,18 @@
-// hidden_effects_study [--fe [--rigs a,b] [--edge METRES]] [--kinds a,b|all|pairs|outside|none]
-//   [--seeds N] [--first S] [--every N] [--lines K] [--severity X] [--tolerance] [--deviation X]
-//   [--law normal|uniform|student] [--correlation C] [--own-delay S] [--fixtures X] [--list]
-//   [--cases FILE]
+// hidden_effects_study [--fe [--answer] [--rigs a,b] [--edge METRES]] [--list] [--cases FILE]
+//   [--kinds a,b|all|pairs|outside|none] [--seeds N] [--first S] [--every N] [--lines K]
+//   [--severity X] [--tolerance] [--deviation X]
+//   [--law normal|uniform|student] [--correlation C] [--own-delay S] [--fixtures X]
 //   [--write FILE] [--changed-damping] [--degree D] [--modes M] [--fine N] [--coarser C]
 //   [--detectable [--check N]]
 // hides effects in measurements of Ritz rigs, diagnoses them, and prints what was found, as
 // bench/README.md has it. --fe: from the structure that the program itself makes of a study of the
-// rig (tetrahedra, app::structure_of), with default tolerances; else from one by the truth's own
-// code. --tolerance: rigs that deviate by X (1) default tolerances by the law, diagnosed with
-// these, from a structure of C (2) degrees less; else the exact model. --every: a part of `all` and
-// `outside`, another for each seed. --cases: a line of JSON for each case. --detectable: the
-// smallest sizes that would be found instead; --check: N masses of 0.5, 1 and 1.5 times theirs are
-// hidden and sought.
+// rig (tetrahedra, app::structure_of), with default tolerances; --answer: by all steps of
+// `chladni diagnose` from a file of the responses, their modes included; else from one by the
+// truth's own code. --tolerance: rigs that deviate by X (1) default tolerances by the law,
+// diagnosed with these, from a structure of C (2) degrees less; else the exact model. --every: a
+// part of `all` and `outside`, another for each seed. --cases: a line of JSON for each case.
+// --detectable: the smallest sizes that would be found instead; --check: N masses of 0.5, 1 and 1.5
+// times theirs are hidden and sought.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -22,6 +23,7 @@
 #include "base/error.h"
 #include "detectable_tables.h"
 #include "diagnosis/diagnosed.h"
+#include "hidden_effects/shipped_answer.h"
 #include "hidden_effects/shipped_structure.h"
 #include "hidden_effects_tables.h"
 #include "io/frf_file.h"
@@ -58,8 +60,18 @@ const Shipped& structure_of(const Arguments& wanted, const std::string& rig) {
   return kept.emplace(rig, std::move(made)).first->second;
 }
 
-Done diagnosed(const Trial& trial, const Arguments& wanted, std::ostream* cases) {
+diagnosis::Diagnosis told_of(const Trial& trial, const simulators::HiddenCase& hidden,
+                             const Arguments& wanted) {
+  if (wanted.answer) {
+    return hidden_effects::shipped_answer(simulators::rig_named(trial.rig, wanted.hidden.degree),
+                                          hidden.measured, wanted.edge_length)
+        .result;
+  }
   const auto& nominal = structure_of(wanted, trial.rig);
+  return diagnosis::diagnosed(nominal.structure, hidden.measured, nominal.options);
+}
+
+Done diagnosed(const Trial& trial, const Arguments& wanted, std::ostream* cases) {
   const auto hidden =
       simulators::hidden_case(trial.kinds, trial.seed, options_of(wanted, trial.rig));
   const auto start = std::chrono::steady_clock::now();
@@ -69,7 +81,7 @@ Done diagnosed(const Trial& trial, const Arguments& wanted, std::ostream* cases)
   done.evidence_there = hidden.evidence_there;
   done.evidence_apart = simulators::evidence_apart(hidden);
   try {
-    const auto told = diagnosis::diagnosed(nominal.structure, hidden.measured, nominal.options);
+    const auto told = told_of(trial, hidden, wanted);
     done.score = scored(hidden, told);
     done.excess_before = told.excess_before;
     done.excess_after = told.best.excess;

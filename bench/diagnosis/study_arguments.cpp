@@ -60,6 +60,7 @@ std::map<std::string, std::function<void(const std::string&)>> words(Arguments& 
 std::map<std::string, std::function<void()>> switches(Arguments& all) {
   return {{"--tolerance", [&all] { all.tolerance = true; }},
           {"--fe", [&all] { all.fe = all.tolerance = true; }},
+          {"--answer", [&all] { all.fe = all.tolerance = all.answer = true; }},
           {"--changed-damping", [&all] { all.hidden.damping_stays = false; }},
           {"--detectable", [&all] { all.detectable = true; }},
           {"--list", [&all] { all.list = true; }}};

@@ -16,6 +16,7 @@ struct Arguments {
   simulators::HiddenOptions hidden;
   simulators::RitzStructureOptions structure;
   bool fe = false;           ///< the structure of the program that ships
+  bool answer = false;       ///< with `fe`: all that `chladni diagnose` does, modes included
   double edge_length = 0.0;  ///< of its mesh [m]; 0: left to it
   bool tolerance = false, list = false, detectable = false;
   unsigned check = 0;      ///< masses hidden at each multiple of their smallest size

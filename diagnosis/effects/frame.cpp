@@ -13,15 +13,16 @@ std::vector<Parameter> mass_frequency_damping(const Structure& structure) {
   return oscillator_parameters(10.0 * structure.mass_kg, typical_hz, 1.5);
 }
 
-// The frame moves along the normal, so a channel stated against it sees it the other way round.
+// The frame moves along the normal: a channel stated against it sees it the other way round, one in
+// the plane not at all.
 void stand(State& state, const Structure& structure, Eigen::Index /*option*/, const VectorXd& x) {
   const auto [mass, damping, stiffness] = oscillator(x);
   Frame one;
   one.mass = mass;
   one.damping = damping;
   one.stiffness = stiffness;
-  one.to_outputs = signs_along_normal(structure, structure.outputs);
-  one.from_inputs = signs_along_normal(structure, structure.inputs);
+  one.to_outputs = parts_along_normal(structure, structure.outputs);
+  one.from_inputs = parts_along_normal(structure, structure.inputs);
   state.frames.push_back(std::move(one));
 }
 
@@ -44,7 +45,8 @@ constinit const Effect frame{
     .name = "frame",
     .summary = "the support moves: actuators push it back, sensors are measured against it",
     .source =
-        "1 / (m s^2 + c s + k) added to all responses alike, with the signs of their channels",
+        "1 / (m s^2 + c s + k) added to all responses alike, with the part of each channel along "
+        "the normal",
     .confusable = "a resonator on the body, a spring to ground",
     .parameters = mass_frequency_damping,
     .options = one_option,

@@ -202,11 +202,11 @@ void add_modes_above(const Structure& structure, double tolerance, std::vector<D
   put(all, "modes above those in use",
       [t = tolerance](State& state, double eta) { scale_residual(state, std::exp(t * eta)); });
   // A frame far above the band has the same effect.
-  const MatrixXd signs = signs_along_normal(structure, structure.outputs) *
-                         signs_along_normal(structure, structure.inputs).transpose();
+  const MatrixXd along = parts_along_normal(structure, structure.outputs) *
+                         parts_along_normal(structure, structure.inputs).transpose();
   put(all, "what all responses share of the modes above",
-      [t = tolerance, signs](State& state, double eta) {
-        state.residual += t * eta * state.residual.cwiseAbs().mean() * signs;
+      [t = tolerance, along](State& state, double eta) {
+        state.residual += t * eta * state.residual.cwiseAbs().mean() * along;
       });
 }
 

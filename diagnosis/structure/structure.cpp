@@ -122,13 +122,12 @@ Eigen::MatrixXd GrownForms::gain(double by) const {
   return there.transpose() * there - rows.transpose() * rows;
 }
 
-Eigen::VectorXd signs_along_normal(const Structure& structure, const ChannelSide& side) {
+Eigen::VectorXd parts_along_normal(const Structure& structure, const ChannelSide& side) {
+  if (side.directions.rows() > 0) return side.directions.col(2);
   const auto& surface = structure.surface;
-  const bool is_stated = side.directions.rows() > 0;
   Eigen::VectorXd signs = Eigen::VectorXd::Ones(side.count());
-  for (Eigen::Index i = 0; i < signs.size() && (is_stated || surface.count() > 0); ++i) {
-    const double along = is_stated ? side.directions(i, 2) : cosine_by_shapes(surface, side, i);
-    if (along < -kConstants.against_normal) signs(i) = -1.0;
+  for (Eigen::Index i = 0; i < signs.size() && surface.count() > 0; ++i) {
+    if (cosine_by_shapes(surface, side, i) < -kConstants.against_normal) signs(i) = -1.0;
   }
   return signs;
 }

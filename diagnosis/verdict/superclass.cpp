@@ -59,8 +59,8 @@ void keep_better(std::optional<Superclass>& best, Superclass other) {
 // What a support that moves along the normal does to all responses.
 MatrixXcd shared_by_all(const View& view) {
   const auto& structure = view.problem.structure;
-  const Eigen::VectorXd out = signs_along_normal(structure, structure.outputs);
-  const Eigen::VectorXd in = signs_along_normal(structure, structure.inputs);
+  const Eigen::VectorXd out = parts_along_normal(structure, structure.outputs);
+  const Eigen::VectorXd in = parts_along_normal(structure, structure.inputs);
   const MatrixXd signs =
       (out * in.transpose())(view.state.output_of, view.state.input_of).reshaped().transpose();
   return signs.replicate(view.lines(), 1).cast<Complex>();

@@ -120,6 +120,7 @@ void go_down(const Factorization::Numeric& factor, Rows& x) {
 }  // namespace
 
 Eigen::MatrixXd Factorization::solve(const Eigen::Ref<const Eigen::MatrixXd>& b) const {
+  if (b.cols() == 0) return Eigen::MatrixXd(b.rows(), 0);
   const auto& order = numeric_->tree.order;
   Rows x(b.rows(), b.cols());
   const auto each_row = [&](const auto& work) {

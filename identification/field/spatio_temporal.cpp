@@ -102,19 +102,24 @@ Eigen::RowVectorXd input_variance(const Resonance& h, const ModeSpread& own,
   return result;
 }
 
-// The part of the scale's error that the deviation of each shape holds: 1 where the shapes at the
-// channels tell the place, less where other knowledge makes it surer than their scale is.
-Eigen::ArrayXd part_of_scale(const Eigen::ArrayXd& shape, const Eigen::ArrayXd& deviation,
-                             double scale_std) {
-  const Eigen::ArrayXd open = shape.abs() * scale_std;
-  return (open > deviation).select(deviation / open, 1.0);
+// n×m: by how much each shape moves with the error of its mode's scale.
+Eigen::MatrixXd moved_with_scale(const PlacesOfInterest& places,
+                                 const std::vector<ModeSpread>& spreads) {
+  Eigen::MatrixXd moved = places.shapes;
+  for (Eigen::Index m = 0; m < moved.cols(); ++m) {
+    const double scale_std = spreads[static_cast<std::size_t>(m)].scale.deviation;
+    for (Eigen::Index i = 0; i < moved.rows(); ++i) {
+      moved(i, m) *= part_of_scale(moved(i, m), places.deviation(i, m), scale_std);
+    }
+  }
+  return moved;
 }
 
 // Variance of the responses of one mode, n×q: δG = h (r δφ + φ δr + δφ δr) + φ r (h_ω δω + h_ζ δζ).
 // δφ is φ times the scale's error, which goes with the rest, and a remainder that does not.
 Eigen::MatrixXd mode_variance(const Resonance& h, const ModeSpread& own,
                               const Eigen::RowVectorXd& input, const Eigen::VectorXd& shape,
-                              const Eigen::VectorXd& deviation) {
+                              const Eigen::VectorXd& deviation, const Eigen::VectorXd& moved) {
   const double square = std::norm(h.value);
   Eigen::MatrixXd variance = shape.cwiseAbs2() * input_variance(h, own, input) +
                              square * deviation.cwiseAbs2() * (input.cwiseAbs2() + own.input);
@@ -122,8 +127,6 @@ Eigen::MatrixXd mode_variance(const Resonance& h, const ModeSpread& own,
   const Complex by_poles = h.by_omega * own.scale.pole(0) + h.by_damping * own.scale.pole(1);
   const Eigen::RowVectorXd with_rest = square * input.cwiseProduct(own.scale.input) +
                                        (std::conj(h.value) * by_poles).real() * input.cwiseAbs2();
-  const Eigen::VectorXd held = part_of_scale(shape, deviation, own.scale.deviation);
-  const Eigen::VectorXd moved = shape.cwiseProduct(held);
   variance += 2.0 * shape.cwiseProduct(moved) * with_rest +
               2.0 * square * moved.cwiseAbs2() * own.scale.input.cwiseAbs2();
   return variance;
@@ -208,6 +211,7 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
   const auto n = places.shapes.rows();
   const Eigen::MatrixXd inputs = driving_shapes(match);
   const auto spreads = mode_spreads(fit, match);
+  const auto moved = moved_with_scale(places, spreads);
   const auto q = inputs.cols();
   PredictedResponses result;
   const auto delay = input_delays(fit);
@@ -226,7 +230,7 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
       if (!fit.complex) value += h.value * (places.shapes.col(m) * input).cast<Complex>();
       if (m < model.rigid_count) continue;
       variance += mode_variance(h, spreads[static_cast<std::size_t>(m)], input,
-                                places.shapes.col(m), places.deviation.col(m));
+                                places.shapes.col(m), places.deviation.col(m), moved.col(m));
       if (!fit.complex) continue;
       const auto half =
           half_resonance(kTwoPi * model.frequency_hz(m), model.damping_ratio(m), omega);
@@ -240,6 +244,11 @@ PredictedResponses predicted(const ModalFit& fit, const GainMatch& match,
     result.deviation.emplace_back(root_of(variance));
   }
   return result;
+}
+
+double part_of_scale(double shape, double deviation, double scale_std) {
+  const double open = std::abs(shape) * scale_std;
+  return open > deviation ? deviation / open : 1.0;
 }
 
 Eigen::VectorXd input_delays(const ModalFit& fit) {

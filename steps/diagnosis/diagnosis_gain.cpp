@@ -193,7 +193,7 @@ std::string advice_against(const Gain& gain) {
   const bool extended = gain.pays.has_value();
   if (gain.from == GainFrom::nothing) return "";
   const bool by_frequencies = std::isfinite(gain.frequencies_after);
-  if (by_frequencies || std::isfinite(gain.shapes_after)) {
+  if (extended && (by_frequencies || std::isfinite(gain.shapes_after))) {
     if (*gain.pays) return "";
     return fmt::format(
         "The extended study predicts neither the responses nor the {0} of the modes better than "

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/turn.h"
+#include "identification/spatio_temporal.h"
 #include "steps/predicted.h"
 
 namespace chladni::steps {
@@ -90,9 +91,9 @@ ScaleChange scale_of(const identification::ModalFit& fit, const identification::
 
 // The deviation holds the change of the scale as far as it is large enough, and a rest.
 double drawn_shape(double shape, double deviation, const ScaleChange& scale, double normal) {
-  const double open = std::abs(shape) * scale.deviation;
-  const double held = open > deviation ? deviation / open : 1.0;
-  const double rest = std::sqrt(std::max(0.0, deviation * deviation - held * open * held * open));
+  const double held = identification::part_of_scale(shape, deviation, scale.deviation);
+  const double open = held * shape * scale.deviation;
+  const double rest = std::sqrt(std::max(0.0, deviation * deviation - open * open));
   return shape * (1.0 + held * scale.drawn) + rest * normal;
 }
 

@@ -6,6 +6,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "base/error.h"
 #include "io/scan.h"
@@ -86,6 +87,63 @@ TomlNode tree_of(const toml::node& node, const std::string& file, int depth) {
   return out;
 }
 
+// Where the text that begins at `i` has ended: behind its last quote, or at the end of the line.
+std::size_t behind_text(std::string_view bytes, std::size_t i) {
+  const char quote = bytes[i];
+  const std::string three(3, quote);
+  const bool is_long = bytes.substr(i, 3) == three;
+  for (i += is_long ? 3 : 1; i < bytes.size(); ++i) {
+    if (bytes[i] == '\\' && quote == '"') {
+      ++i;
+    } else if (is_long ? bytes.substr(i, 3) == three : bytes[i] == quote) {
+      return i + (is_long ? 3 : 1);
+    } else if (!is_long && bytes[i] == '\n') {
+      return i;
+    }
+  }
+  return bytes.size();
+}
+
+bool continues(char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U; }
+
+bool is_beyond_ascii(char byte) { return static_cast<unsigned char>(byte) >= 0x80U; }
+
+// The same with an x for each letter beyond ASCII.
+std::string with_plain_letters(std::string_view bytes) {
+  std::string plain;
+  for (const char byte : bytes) {
+    if (!continues(byte)) plain += is_beyond_ascii(byte) ? 'x' : byte;
+  }
+  return plain;
+}
+
+// toml++ is undefined for some letters beyond ASCII (ü, U+FEBB) where no text and no comment is.
+// In a file whose texts begin and end as they should these are all that it may meet there.
+void refuse_letters_outside_texts(std::string_view bytes, const std::string& file) {
+  std::size_t i = 0;
+  while (i < bytes.size()) {
+    if (bytes[i] == '"' || bytes[i] == '\'') {
+      i = behind_text(bytes, i);
+    } else if (bytes[i] == '#') {
+      i = std::min(bytes.find('\n', i), bytes.size());
+    } else if (!is_beyond_ascii(bytes[i])) {
+      ++i;
+    } else {
+      break;
+    }
+  }
+  if (i >= bytes.size()) return;
+  const auto before = bytes.substr(0, i);
+  const auto from = before.rfind('\n') + 1;  // 0 in the first line
+  const auto column = 1 + std::ranges::count_if(before.substr(from), std::not_fn(continues));
+  std::size_t end = i + 1;
+  while (end < bytes.size() && end < i + 4 && continues(bytes[end])) ++end;
+  throw InvalidInput(
+      fmt::format("{}:{}:{}: '{}' stands outside of a text: keys and values are of "
+                  "plain letters, digits and signs; a text stands in quotes",
+                  file, 1 + std::ranges::count(before, '\n'), column, bytes.substr(i, end - i)));
+}
+
 }  // namespace
 
 std::string description(const TomlNode& node) {
@@ -107,8 +165,12 @@ std::string description(const TomlNode& node) {
 }
 
 TomlNode parse_toml(std::string_view bytes, const std::string& file) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";  // of UTF-8, at the start of a file
   io::refuse_utf16(bytes, file);
+  if (bytes.starts_with(kMark)) bytes.remove_prefix(kMark.size());
+  refuse_letters_outside_texts(bytes, file);
   try {
+    if (std::ranges::any_of(bytes, is_beyond_ascii)) (void)toml::parse(with_plain_letters(bytes));
     return tree_of(toml::parse(bytes), file, 0);  // a name it copies where nothing may be thrown
   } catch (const toml::parse_error& e) {
     const auto place = e.source().begin;

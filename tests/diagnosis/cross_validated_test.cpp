@@ -173,6 +173,7 @@ TEST(CrossValidation, PredictsWithTheConstantsOfTheFit) {
 // The density goes with the tolerances of the modulus and the gains. Data without some of the lines
 // have another set of them, which suits these lines as well.
 TEST(CrossValidation, TakesTolerancesThatGoWithTheCause) {
+  EVERY_FOURTH_LANDING();
   const auto& plate = small_plate();
   const auto& modulus = effect("youngs_modulus");
   const auto scale = [&](const char* of, double part) {
@@ -296,6 +297,7 @@ TEST(CrossValidation, DoubtsACauseThatOneBlockOfLinesAsksFor) {
 
 // A gain of another sensor beside a true one is fitted to noise: it alone loses its name.
 TEST(CrossValidation, TellsAPhantomFromTheTruthBesideIt) {
+  EVERY_FOURTH_LANDING();
   int paying = 0;
   for (const unsigned seed : {6U, 7U, 8U, 9U}) {
     const auto made = tested(noisy({gain(1, 0.05)}, seed), {gain(1, 0.05), gain(2, 0.0)});

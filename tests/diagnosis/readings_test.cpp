@@ -280,6 +280,7 @@ TEST(Readings, AreThoseOfWhatWasMeasured) {
 
 // What acts on the body, or exchanges channels, is no reading.
 TEST(Readings, AreNotWhatElseIsHidden) {
+  EVERY_FOURTH_LANDING();
   for (const auto& kind : simulators::hidden_kinds()) {
     if (kind.ends_with("_sign") || kind == "sensor_unit" || kind == "sensor_quantity") continue;
     std::string all;

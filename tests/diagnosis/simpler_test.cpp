@@ -12,6 +12,7 @@
 
 #include "diagnosis/small_plate.h"
 #include "diagnosis/verdict/verdict.h"
+#include "rotation/turn.h"
 #include "simulators/portable_random.h"
 #include "simulators/tables/loaded_table.h"
 
@@ -167,6 +168,7 @@ TEST_F(FurtherCause, PaysBeyondWhatAnotherSolverLeavesOfTheFirst) {
 
 // A spring on a table of other polynomials, whose modes are damped as they are loaded.
 TEST_F(FurtherCause, IsNotAddedToASpringOfAnotherModel) {
+  EVERY_FOURTH_LANDING();
   simulators::LoadedTable table;
   table.spring = 62e3;
   table.foot = {-0.15, 0.11};

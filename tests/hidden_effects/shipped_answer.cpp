@@ -20,13 +20,11 @@ std::string text_of(const simulators::Rig& rig, double edge_length) {
          "\n[measurement]\nfrf = \"frf.csv\"\n\n[identification]\nunit = \"m\"\n";
 }
 
-study::Study study_in(const app::TestFolder& folder, const simulators::RealRigCase& rig,
-                      double edge_length) {
-  if (!rig.body.rig.surface.empty()) {
-    std::ofstream(folder.path() / "body.off") << rig.body.rig.surface;
-  }
-  static_cast<void>(io::write_frf(folder.path() / "frf.csv", rig.measured));
-  return study::parse_study(text_of(rig.body.rig, edge_length), folder.path() / "study.toml");
+study::Study study_in(const app::TestFolder& folder, const simulators::Rig& rig,
+                      const modal::FrfSet& measured, double edge_length) {
+  if (!rig.surface.empty()) std::ofstream(folder.path() / "body.off") << rig.surface;
+  static_cast<void>(io::write_frf(folder.path() / "frf.csv", measured));
+  return study::parse_study(text_of(rig, edge_length), folder.path() / "study.toml");
 }
 
 stage::WorkOptions without_certificate(const app::TestFolder& folder) {
@@ -48,11 +46,12 @@ const stage::Solution& solution_of(const study::Study& study, const std::string&
 
 }  // namespace
 
-ShippedAnswer shipped_answer(const simulators::RealRigCase& rig, double edge_length) {
-  const app::TestFolder folder("real_rig_" + rig.body.rig.name);
-  const auto study = study_in(folder, rig, edge_length);
+ShippedAnswer shipped_answer(const simulators::Rig& rig, const modal::FrfSet& measured,
+                             double edge_length) {
+  const app::TestFolder folder("rig_" + rig.name);
+  const auto study = study_in(folder, rig, measured, edge_length);
   const auto options = without_certificate(folder);
-  const auto& before = solution_of(study, rig.body.rig.name, options);
+  const auto& before = solution_of(study, rig.name, options);
   stage::Work work(options);
   const auto start = std::chrono::steady_clock::now();
   auto told = steps::diagnosed(study, before, work);

@@ -10,6 +10,7 @@
 #include "fit_errors.h"
 #include "identification/identified.h"
 #include "modal/frf.h"
+#include "rotation/turn.h"
 #include "simulators/frf_cases.h"
 
 namespace chladni::identification {
@@ -117,6 +118,7 @@ TEST(Drift, IsThatOfTheMeasuredResponses) {
 
 // Each resonance is one mode, where each would be several without.
 TEST(Drift, IsNotTakenForModes) {
+  EVERY_FOURTH_LANDING();
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const auto made = moved_beam(4e-4, seed);
     IdentificationOptions options;

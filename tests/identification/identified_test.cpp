@@ -124,6 +124,7 @@ FrfCase table_on_springs() {
 }
 
 TEST(Identified, TakesASuspensionFarBelowTheLinesForRigidBodyModes) {
+  EVERY_FOURTH_LANDING();
   const auto made = table_on_springs();
   IdentificationOptions options;
   options.on_springs = true;

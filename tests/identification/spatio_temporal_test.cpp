@@ -130,11 +130,14 @@ TEST(SpatioTemporal, ADeviationThatIsNotKnownStaysUnknown) {
   }
   auto fit = one.fit;  // likewise of an actuator, at all places
   fit.mode_covariance[1](2 + 5 + 3, 2 + 5 + 3) = std::numeric_limits<double>::infinity();
-  fit.input_std(1, 3) = std::numeric_limits<double>::infinity();
   const auto match = matched(one.made, fit, with_pairs(one.made));
   const auto found = predicted(fit, match, sensors_of(one), lines);
   EXPECT_TRUE((found.deviation[100].col(3).array().isInf()).all());
   EXPECT_TRUE(found.deviation[100].leftCols(3).allFinite());
+  fit.mode_covariance[1](0, 0) = std::numeric_limits<double>::infinity();  // and of a pole, at all
+  const auto of_pole =
+      predicted(fit, matched(one.made, fit, with_pairs(one.made)), sensors_of(one), lines);
+  EXPECT_TRUE(of_pole.deviation[100].array().isInf().all());
 }
 
 // The beam with these sensors and actuators of its five.

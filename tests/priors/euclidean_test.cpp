@@ -9,6 +9,7 @@
 #include "priors/interpolator.h"
 #include "priors/methods/shape_symmetry.h"
 #include "priors/simulated_lengths.h"
+#include "rotation/turn.h"
 
 namespace chladni::priors {
 namespace {
@@ -205,6 +206,7 @@ INSTANTIATE_TEST_SUITE_P(Interpolators, EveryEuclidean, ::testing::ValuesIn(eucl
                          [](const auto& one) { return std::string(one.param->name); });
 
 TEST(SquaredExponential, HasOneLengthAndPerModeHasMany) {
+  EVERY_FOURTH_LANDING();
   const auto simulation = simulation_on(grid(25, 25, kSide, kSide));
   const auto measured = measured_at(grid(6, 6, 0.5, 0.5), {3, 8});
   const auto length = [&](const char* name) -> Eigen::VectorXd {

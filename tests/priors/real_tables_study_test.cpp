@@ -96,6 +96,7 @@ TEST_F(RealTables, AreKnownTenfoldBetterThanByTheThesissMethods) {
 }
 
 TEST_F(RealTables, AreNeverKnownWorseThanByTheSpline) {
+  EVERY_FOURTH_LANDING();
   for (const auto* layout : {"quincunx", "rand1"}) {
     const auto ours = scores("dynamic_residual", layout);
     const auto spline = scores("thin_plate_spline", layout);

@@ -10,6 +10,7 @@
 #include "recordings/estimate/local_transient.h"
 #include "recordings/frf_estimate.h"
 #include "recordings/virtual_experiment.h"
+#include "rotation/turn.h"
 #include "tests/refusal.h"
 
 namespace chladni::recordings {
@@ -133,6 +134,7 @@ TEST(LocalTransient, StatesTheVarianceOfWhatItLeaves) {
 // The scatter of a variance over the noise is that of its degrees of freedom, 1/ν of its square. Of
 // two periods a variance and its neighbours have nearly the same lines between.
 TEST(LocalTransient, StatesHowWellItsVarianceIsKnown) {
+  EVERY_FOURTH_LANDING();
   const auto rig = rig_of(slow_and_sharp());
   auto options = removing();
   options.low_hz = 19.0;

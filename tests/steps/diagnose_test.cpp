@@ -152,6 +152,7 @@ TEST_F(Diagnose, AMassIsFoundWithoutACollocatedPair) {
 }
 
 TEST_F(Diagnose, AnotherTableIsNotExplained) {
+  EVERY_FOURTH_LANDING();
   const auto one = diagnosed_from(measured_of({"other_plate"}, {0, 2}, {4, 6, 9}));
   EXPECT_EQ(one.result.verdict, Verdict::unexplained) << show::verdict_text(one.result);
   expect_no_sure_name_but("", one.result);

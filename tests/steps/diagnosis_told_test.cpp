@@ -161,6 +161,7 @@ std::pair<steps::Compared, steps::MeasuredFrfs> to_compare(const study::Study& s
 
 // One record without a unit takes the scale from none that states its own.
 TEST_F(Told, ARecordWithoutAUnitLeavesTheScaleOfTheOthers) {
+  EVERY_FOURTH_LANDING();
   const auto study = study_of({}, "\"sensor_gain\"");
   app::QuietRun quiet(study, at("out"));
   auto& work = quiet.run();

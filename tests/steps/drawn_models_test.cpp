@@ -92,8 +92,9 @@ TEST(DrawnModels, ScatterByTheCovarianceOfTheFit) {
 // Shapes at points scatter by their own deviations. What is wrong of the scale of all shapes is
 // wrong of theirs too, but never beyond the deviation that is theirs.
 TEST(DrawnModels, HaveShapesAtPointsWithTheScaleOfTheFit) {
-  const auto identified = uncertain();
+  auto identified = uncertain();
   const auto& fit = identified.found.fit;
+  identified.match.shapes = fit.model.output_shapes;
   const auto shapes = std::make_shared<Interpolated>();
   shapes->measured.identified = std::make_shared<const IdentifiedModel>(identified);
   Observer observer;

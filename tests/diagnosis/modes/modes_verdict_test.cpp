@@ -13,6 +13,7 @@
 #include "diagnosis/modes/calibration/coordinates.h"
 #include "diagnosis/modes/proposals/outlook.h"
 #include "diagnosis/modes/significance.h"
+#include "rotation/turn.h"
 #include "simulators/portable_random.h"
 
 namespace chladni::diagnosis {
@@ -77,6 +78,7 @@ MeasuredModes with_a_split_mode(double& hz) {
 
 // Its own grid of frequencies is coarser than the split mode is wide.
 TEST(Searched, FindsALightResonatorByTheModeThatItSplits) {
+  EVERY_FOURTH_LANDING();
   double hz = 0.0;
   const auto measured = with_a_split_mode(hz);
   const ModesProblem problem(small_plate(), measured, Tolerances{}, true);
@@ -130,6 +132,7 @@ TEST(ModesProblem, ASecondFitLosesNothing) {
 // The covariance changes at once where a mode is split: steps that count the misfit alone creep
 // there, and starts near the truth ended up to 19 below it.
 TEST(ModesProblem, NearStartsEndAtOneMaximum) {
+  EVERY_FOURTH_LANDING();
   double hz = 0.0;
   const auto measured = with_a_split_mode(hz);
   const ModesProblem problem(small_plate(), measured, Tolerances{}, true);
@@ -152,6 +155,7 @@ TEST(ModesProblem, NearStartsEndAtOneMaximum) {
 
 // A pair is no better than its own parts allow: each cause of it stands by itself among the fits.
 TEST(Searched, KeepsThePartsOfItsPairs) {
+  EVERY_FOURTH_LANDING();
   State state = state_of(small_plate());
   effect("point_mass").apply(state, small_plate(), 0, Vector3d(0.6, 0.21, 0.08));
   effect("sensor_gain").apply(state, small_plate(), 2, VectorXd::Constant(1, 0.4));

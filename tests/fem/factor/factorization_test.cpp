@@ -67,6 +67,13 @@ TEST(Factorization, SolvesWhatADenseSolverSolves) {
   }
 }
 
+// The address of the first number of a row was taken where there is none.
+TEST(Factorization, SolvesForNoRightHandSide) {
+  const auto x = Factorization(random_matrix(40, 8.0, 1)).solve(Eigen::MatrixXd(40, 0));
+  EXPECT_EQ(x.rows(), 40);
+  EXPECT_EQ(x.cols(), 0);
+}
+
 TEST(Factorization, RefusesAnIndefiniteMatrix) {
   EXPECT_THROW(Factorization(random_matrix(50, 0.0, 3)), NumericalFailure);
 }

@@ -11,6 +11,7 @@
 #include "base/draw.h"
 #include "identification/channel_gains.h"
 #include "identification/gains/told_by_prior.h"
+#include "rotation/turn.h"
 #include "simulators/tables/plate_corrections.h"
 #include "simulators/tables/plate_study.h"
 #include "simulators/tables/real_tables.h"
@@ -137,6 +138,7 @@ GainPrior prior_of(const Table& made, bool corrected) {
 // corrections. Six tables say 0.94 and 1.14: chance moves such a level by about 0.1, so that only
 // the ratio of the two, 1.15 to 1.3 of each table, tells that the doubts are there.
 TEST(SimulatedGain, IsBetterWithTheCorrectedSimulationAndAsUncertainAsItIsSaidToBe) {
+  EVERY_FOURTH_LANDING();
   Errors plain;
   Errors corrected;
   Errors without_doubt;

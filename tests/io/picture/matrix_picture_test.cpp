@@ -66,6 +66,7 @@ TEST_F(DrawMatrix, SquaresAreAsDarkAsTheirValues) {
 
 // A window that is larger than what the display can paint stays black.
 TEST_F(DrawMatrix, AsManyRowsAsItTakesArePainted) {
+  EVERY_FOURTH_LANDING();
   for (const Eigen::Index rows : {130, 200}) {
     auto picture = picture_of(rows, 1);
     EXPECT_LT(dark_pixels(picture), 50) << rows;

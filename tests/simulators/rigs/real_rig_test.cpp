@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "rotation/turn.h"
 #include "simulators/rigs/rig_recipe.h"
 
 namespace chladni::simulators {
@@ -156,6 +157,7 @@ TEST(RealRig, TellsGainsThatAreOffByThemselves) {
 
 // A channel of the strip's rigs that is more than 4 mm from its place is told, and no other one.
 TEST(RealRig, TellsPlacesThatAreOffByThemselves) {
+  EVERY_FOURTH_LANDING();
   auto options = RealRigOptions{};
   options.lines = 2;
   int told = 0;
