@@ -5,6 +5,7 @@
 #include <complex>
 #include <utility>
 
+#include "base/index.h"
 #include "diagnosis/attached/attachments.h"
 #include "diagnosis/constants.h"
 
@@ -81,7 +82,14 @@ Fit without(const Problem& problem, const Fit& fit, std::size_t which, const Fit
   if (!fit.less.empty()) return fit.less[which];
   Fit start = fit;
   start.causes.erase(start.causes.begin() + static_cast<std::ptrdiff_t>(which));
-  return start.causes.empty() ? nothing : possible_fit(problem, start).value_or(nothing);
+  if (start.causes.empty()) return nothing;
+  const auto less = possible_fit(problem, start);
+  if (less && less->objective <= nothing.objective) return *less;
+  // The descent stopped on its way: no cause at all would leave less.
+  start.eta = with_deviations(nothing, at(fit.eta.size())).eta;
+  const auto again = possible_fit(problem, start);
+  if (again && (!less || again->objective < less->objective)) return *again;
+  return less.value_or(nothing);
 }
 
 bool is_sure(const Problem& problem, const SearchLimits& limits, const Fit& nothing,
