@@ -104,8 +104,8 @@ Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
   std::vector<Fit> kept;
   for (std::size_t c = 0; c < best.causes.size();) {
     Fit less = without(problem, best, c, nothing);
-    // Stretched tolerances count as misfit. A cause that is small beside a large one still counts
-    // if the data need it or if it is not by chance.
+    // Stretched tolerances count as misfit. A cause beside others, however small, counts if the data
+    // need it or if it is not by chance.
     const double gain = best.log_evidence - less.evidence_at_best();
     const bool material = less.objective - best.objective >=
                           limits.least_share * (nothing.objective - best.objective);
@@ -113,7 +113,8 @@ Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
     const double left = less.excess(n) - excess_of(cost_of_errors(problem, nothing, less), n);
     const bool wanted = left >= limits.least_excess;
     const bool sure = is_sure(problem, limits, nothing, less, best);
-    if (gain >= limits.least_evidence && (material || wanted || sure)) {
+    const bool first = best.causes.size() == 1;
+    if (gain >= limits.least_evidence && (sure || wanted || (first && material))) {
       kept.push_back(std::move(less));
       ++c;
     } else {
