@@ -68,8 +68,7 @@ MatrixXd turn(const MatrixXd& mass, const MatrixXd& vectors, const VectorXd& ome
 // (exp(-18)).
 MatrixXd turn_to_structure(const MatrixXd& mass, const MatrixXd& vectors, const VectorXd& omega,
                            double ratio) {
-  const double width =
-      std::max(kConstants.repeated_width * 2.0 * ratio, kConstants.least_repeated_width);
+  const double width = std::max(kConstants.pair_width * 2.0 * ratio, kConstants.least_pair_width);
   MatrixXd turned = MatrixXd::Identity(omega.size(), omega.size());
   for (Index first = 0; first < omega.size();) {
     Index last = first + 1;

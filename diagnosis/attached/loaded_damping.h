@@ -14,7 +14,7 @@ namespace chladni::diagnosis {
 ///
 /// K₁ and M₁ contain all springs and masses of the causes. Loaded mode k has the damping ratio of
 /// the structure's mode k: T is 1, but for modes that are nearer to each other than about
-/// Constants::repeated_width. Of these T is the rotation to the structure's modes of their numbers,
+/// Constants::pair_width. Of these T is the rotation to the structure's modes of their numbers,
 /// so that D is continuous where modes are repeated. A rigid-body mode that now has a frequency
 /// gets the mean ratio. ρ_k is the relative deviation of the loss of mode k:
 /// State::relative_damping. Carried masses have damping of their own and are left out. Damping that
