@@ -284,12 +284,6 @@ def band_faults(found, page):
     return ["the page has no bands of the measured beam"]
 
 
-def has_turn(sample):
-    """Which of the four checks run beside the sample that this program prints."""
-    number = subprocess.run([sample, MODELS.parent], stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
-    return lambda which: number == "all" or which == int(number) % 4
-
-
 def study_faults(said, chladni, models, folder, name):
     entry = next(entry for entry in STUDIES if entry[0] == name)
     return faults(name, study_rows(chladni, models, folder, entry, CHECKED[name]), said)
@@ -305,10 +299,13 @@ def measured_faults(said, page, chladni, models, folder, data, sensor):
 
 
 def check(page, sample, chladni, models, folder, data):
-    said, runs = page_rows(page), has_turn(sample)
+    sys.path.insert(0, str(MODELS.parent / "tests/rotation"))
+    from turn import drawn_number
+    number = drawn_number(sample, MODELS.parent)
+    said = page_rows(page)
     wrong = []
     for which, name in enumerate([*CHECKED, *CHECKED_MEASURED]):
-        if not runs(which):
+        if number is not None and which != number % 4:
             print(f"skipped: {name} runs at another landing")
         elif name in CHECKED:
             wrong += study_faults(said, chladni, models, folder, name)

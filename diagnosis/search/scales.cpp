@@ -28,7 +28,8 @@ std::vector<const Effect*> scales_of(const std::vector<const Effect*>& catalogue
 }  // namespace
 
 bool add_scales(const Problem& problem, const std::vector<const Effect*>& catalogue, Found& found) {
-  Fit start = found.fits.front();
+  Fit start;
+  start.causes = found.fits.front().causes;
   const auto removed =
       std::erase_if(start.causes, [](const Supposed& c) { return is_of_all(*c.effect); });
   if (removed == 0) return false;

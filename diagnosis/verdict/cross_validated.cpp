@@ -29,6 +29,11 @@ Fit quickly_fitted(const Problem& problem, const Fit& start) {
 
 using Causes = std::vector<Supposed>;
 
+// The problem with these data instead, which must outlive it.
+Problem with_data(const Problem& problem, const Observed& data) {
+  return {problem.structure, data, problem.deviations, problem.solver_error};
+}
+
 // A fit to all data, and the fits to the data without each part; none where no fit is possible.
 struct Trained {
   Fit whole;
@@ -40,18 +45,10 @@ Trained trained(const Problem& problem, const std::vector<DataPart>& parts, Fit 
   for (const auto& part : parts) {
     throw_if_interrupted();
     const Observed data = without(problem.observed, part);
-    result.rest.push_back(
-        possible_fit({problem.structure, data, problem.deviations, problem.solver_error},
-                     result.whole, {.iterations = kConstants.quick_iterations}));
+    result.rest.push_back(possible_fit(with_data(problem, data), result.whole,
+                                       {.iterations = kConstants.quick_iterations}));
   }
   return result;
-}
-
-// ½(χ² + ηᵀη) of a fit.
-double misfit_of(const Problem& problem, const Fit& fit) {
-  const State state = state_of(problem, fit.causes, fit.eta);
-  return 0.5 * (residual(problem.observed, responses(state, problem.observed.omega)).squaredNorm() +
-                fit.eta.squaredNorm());
 }
 
 // True if the data are evidence for cause c of the fit `with`, which is `less` without it. That one
@@ -61,12 +58,8 @@ bool is_told(const Problem& problem, const Fit& with, const Fit& less, std::size
   if (!(with.evidence_at_best() > less.evidence_at_best())) return false;
   Fit start = with;
   start.causes.erase(start.causes.begin() + static_cast<std::ptrdiff_t>(c));
-  try {
-    if (misfit_of(problem, start) > misfit_of(problem, with) + kConstants.sure_evidence)
-      return true;
-  } catch (const NumericalFailure&) {
-    return true;
-  }
+  const double removed = misfit_at(problem, start.causes, start.eta);
+  if (removed > 0.5 * with.strained() + kConstants.sure_evidence) return true;
   const auto again = possible_fit(problem, start, {.iterations = kConstants.quick_iterations});
   return !again || with.evidence_at_best() > again->evidence_at_best() + kConstants.nothing_more;
 }
@@ -75,7 +68,7 @@ bool is_told(const Problem& problem, const Fit& with, const Fit& less, std::size
 std::vector<bool> supported(const Problem& problem, const DataPart& part, const Trained& all,
                             const std::vector<Trained>& less, std::size_t f) {
   const Observed data = without(problem.observed, part);
-  const Problem rest{problem.structure, data, problem.deviations, problem.solver_error};
+  const Problem rest = with_data(problem, data);
   std::vector<bool> is_supported(less.size(), false);
   for (std::size_t c = 0; c < less.size(); ++c) {
     if (!all.rest[f] || !less[c].rest[f]) continue;
@@ -112,8 +105,7 @@ std::vector<double> misfits(const Problem& problem, const std::vector<DataPart>&
     const Observed data = only(problem.observed, parts[f]);
     std::vector<VectorXd> starts{fits.whole.eta};
     if (f < fits.rest.size() && fits.rest[f]) starts.push_back(fits.rest[f]->eta);
-    misfit.push_back(least_misfit(
-        {problem.structure, data, problem.deviations, problem.solver_error}, causes[f], starts));
+    misfit.push_back(least_misfit(with_data(problem, data), causes[f], starts));
   }
   return misfit;
 }

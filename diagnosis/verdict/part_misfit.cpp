@@ -64,7 +64,8 @@ Quadratic quadratic_at(const Problem& problem, const std::vector<Supposed>& caus
 // Makes a step that lowers the misfit; false: none was found.
 bool lowered(const Problem& problem, const std::vector<Supposed>& causes,
              const Quadratic& quadratic, PartPoint& here, double& lambda) {
-  for (int attempt = 0; attempt < kConstants.part_steps; ++attempt) {
+  constexpr int kAttempts = 6;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
     auto next = part_point(problem, causes, here.eta + quadratic.step(lambda));
     if (next && next->misfit < here.misfit) {
       here = std::move(*next);
@@ -77,6 +78,11 @@ bool lowered(const Problem& problem, const std::vector<Supposed>& causes,
 }
 
 }  // namespace
+
+double misfit_at(const Problem& problem, const std::vector<Supposed>& causes, const VectorXd& eta) {
+  const auto point = part_point(problem, causes, eta);
+  return point ? point->misfit : HUGE_VAL;
+}
 
 double least_misfit(const Problem& problem, const std::vector<Supposed>& causes,
                     const std::vector<VectorXd>& starts) {

@@ -8,6 +8,11 @@
 
 namespace chladni::diagnosis {
 
+/// ½(χ² + ηᵀη) of the problem's data; infinite where the causes are impossible beside eta.
+/// Cost: a solve of all lines.
+[[nodiscard]] double misfit_at(const Problem& problem, const std::vector<Supposed>& causes,
+                               const Eigen::VectorXd& eta);
+
 /// Least ½(χ² + ηᵀη) of the problem's data over the deviations, with the causes held. It is sought
 /// from whichever of `starts` is better, by steps of Levenberg and Marquardt with slopes that are
 /// taken anew at each: a cause that moves a narrow resonance by its width leaves the slopes at the

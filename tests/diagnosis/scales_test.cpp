@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "diagnosis/small_plate.h"
-#include "simulators/portable_random.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -24,12 +24,7 @@ class Scales : public testing::Test {
   Scales() {
     State state = state_of(plate_);
     change_of(scale("density", -0.04), plate_)(state);
-    observed_ = observed_in(state, 100.0);
-    simulators::Dice dice(5);
-    Eigen::MatrixXcd noise(observed_.value.rows(), observed_.value.cols());
-    noise.real() = dice.normal(noise.rows(), noise.cols());
-    noise.imag() = dice.normal(noise.rows(), noise.cols());
-    observed_.value += noise.cwiseQuotient(observed_.weight.cast<std::complex<double>>());
+    observed_ = with_noise(observed_in(state, 100.0), 5);
   }
 
   Found found_with(const std::vector<Supposed>& causes) const {

@@ -13,7 +13,6 @@
 #include "diagnosis/small_plate.h"
 #include "diagnosis/verdict/verdict.h"
 #include "rotation/turn.h"
-#include "simulators/portable_random.h"
 #include "simulators/tables/loaded_table.h"
 
 namespace chladni::diagnosis {
@@ -35,12 +34,7 @@ class Pole : public testing::Test {
     State state = state_of(plate_);
     change_of(truth, plate_)(state);
     for (const auto& one : beside) change_of(one, plate_)(state);
-    observed_ = observed_in(state, 100.0);
-    simulators::Dice dice(3);
-    Eigen::MatrixXcd noise(observed_.value.rows(), observed_.value.cols());
-    noise.real() = dice.normal(noise.rows(), noise.cols());
-    noise.imag() = dice.normal(noise.rows(), noise.cols());
-    observed_.value += noise.cwiseQuotient(observed_.weight.cast<std::complex<double>>());
+    observed_ = with_noise(observed_in(state, 100.0), 3);
     found_.nothing = fitted(problem_, Fit{});
     Fit start;
     start.causes = {truth};

@@ -1,5 +1,4 @@
 """chladni.observe: a filter of the identified model, against its own equations and a virtual rig."""
-import pathlib
 import sys
 import unittest
 
@@ -171,14 +170,13 @@ class Observer(InFolder):
             chladni.observe(chladni.Study(whole, folder=self.folder))
 
 
-def why_skipped(source, sample):
-    sys.path.insert(0, str(pathlib.Path(source) / "tests/rotation"))
-    from turn import why_skipped as why
-    return why("python.observer", sample, source)
-
-
 if __name__ == "__main__":
-    if reason := why_skipped(*sys.argv[1:3]) if len(sys.argv) == 3 else "":
-        print(reason)
-        sys.exit(77)
-    unittest.main(argv=sys.argv[:1])
+    if len(sys.argv) == 3:
+        source, sample = sys.argv[1:]
+        del sys.argv[1:]
+        sys.path.insert(0, f"{source}/tests/rotation")
+        from turn import why_skipped
+        if why := why_skipped("python.observer", sample, source):
+            print(why)
+            sys.exit(77)
+    unittest.main()
