@@ -154,6 +154,10 @@ struct Constants : ModeConstants {
   int beam = 2;
   /// [ln] These are no further from the best than this. Chosen.
   double beam_within = 20.0;
+  /// [half-power bandwidth] Loaded modes nearer than about this share their damping ratios. Chosen.
+  double pair_width = 0.1;
+  /// [1] The same of their frequency, at least. Chosen: above the rounding of repeated frequencies.
+  double least_pair_width = 1e-6;
   /// [z] A residual below this excess is noise. Chosen: its deviation is 1.
   double noise_excess = 1.0;
   /// [z] No hints beside a large cause and no exchanges above this excess. Chosen.

@@ -10,12 +10,15 @@ namespace chladni::diagnosis {
 /// The matrix D for the case that the stated damping ratios belong to the modes of the body with
 /// the causes, and not to the modes of the body without them:
 ///
-///     F diag(1 + ρ_k) Fᵀ,  F = M₁ Φ₁ diag(2 ζ_k ω_k)^½,   K₁ Φ₁ = M₁ Φ₁ diag(ω_k²)
+///     F diag(1 + ρ_k) Fᵀ,  F = M₁ Φ₁ diag(ω_k)^½ T diag(2 ζ_k)^½,   K₁ Φ₁ = M₁ Φ₁ diag(ω_k²)
 ///
 /// K₁ and M₁ contain all springs and masses of the causes. Loaded mode k has the damping ratio of
-/// the structure's mode k. A rigid-body mode that now has a frequency gets the mean ratio. ρ_k is
-/// the relative deviation of the loss of mode k: State::relative_damping. Carried masses have
-/// damping of their own and are left out. Damping that neighbouring modes share does not change.
+/// the structure's mode k: T is 1, but for modes that are nearer to each other than about
+/// Constants::pair_width. Of these T is the rotation to the structure's modes of their numbers,
+/// so that D is continuous where modes are repeated. A rigid-body mode that now has a frequency
+/// gets the mean ratio. ρ_k is the relative deviation of the loss of mode k:
+/// State::relative_damping. Carried masses have damping of their own and are left out. Damping that
+/// neighbouring modes share does not change.
 ///
 /// Source: a damping ratio is measured on the structure as it is. The other reading of the same
 /// number is that one matrix D serves all hypotheses.

@@ -15,6 +15,7 @@
 #include "diagnosis/modes/calibration/constants_told.h"
 #include "diagnosis/modes/deviations_by_modes.h"
 #include "diagnosis/modes/given.h"
+#include "diagnosis/search/scales.h"
 #include "diagnosis/search/scene.h"
 #include "diagnosis/search/simpler.h"
 #include "diagnosis/verdict/constants_fitted.h"
@@ -132,12 +133,17 @@ Eigen::VectorXd start_of_deviations(const Prepared& given,
   }
 }
 
+std::vector<const Effect*> sought_in(const Structure& structure, const Calibration& calibration,
+                                     const DiagnosisOptions& options) {
+  return sought_beside(calibration.constants, catalogue_of(options), structure);
+}
+
 Found searched_in(const Prepared& given, const Calibration& calibration,
                   const std::optional<MeasuredModes>& modes, const DiagnosisOptions& options) {
   const Observed coarse = given.for_search(options.lines);
-  const auto sought = sought_beside(calibration.constants, catalogue_of(options), *given.structure);
-  return searched({*given.structure, coarse, given.tolerable, given.solver_error}, sought,
-                  limits_of(given, options), options.progress, start_of_deviations(given, modes));
+  return searched({*given.structure, coarse, given.tolerable, given.solver_error},
+                  sought_in(*given.structure, calibration, options), limits_of(given, options),
+                  options.progress, start_of_deviations(given, modes));
 }
 
 std::string note_on_starts(const Found& found) {
@@ -209,7 +215,11 @@ Diagnosis diagnosed(const Structure& structure, const modal::FrfSet& measured,
   const auto deviations = given.all_deviations();
   const Problem problem{*given.structure, fine, deviations, given.solver_error};
   Found found = fitted_again(problem, first);
-  trim(problem, found, limits_of(given, options), options.rival_within);
+  const auto limits = limits_of(given, options);
+  trim(problem, found, limits, options.rival_within);
+  if (add_scales(problem, sought_in(*given.structure, calibration, options), found)) {
+    trim(problem, found, limits, options.rival_within);
+  }
   Diagnosis diagnosis = told_of(problem, found, options);
   const Fit& best = found.fits[diagnosis.best.fit];
   auto notes = notes_of(given, calibration);

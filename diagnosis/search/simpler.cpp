@@ -5,6 +5,7 @@
 #include <complex>
 #include <utility>
 
+#include "base/index.h"
 #include "diagnosis/attached/attachments.h"
 #include "diagnosis/constants.h"
 
@@ -81,7 +82,14 @@ Fit without(const Problem& problem, const Fit& fit, std::size_t which, const Fit
   if (!fit.less.empty()) return fit.less[which];
   Fit start = fit;
   start.causes.erase(start.causes.begin() + static_cast<std::ptrdiff_t>(which));
-  return start.causes.empty() ? nothing : possible_fit(problem, start).value_or(nothing);
+  if (start.causes.empty()) return nothing;
+  const auto less = possible_fit(problem, start);
+  if (less && less->objective <= nothing.objective) return *less;
+  // The descent stopped on its way: no cause at all would leave less.
+  start.eta = with_deviations(nothing, at(fit.eta.size())).eta;
+  const auto again = possible_fit(problem, start);
+  if (again && (!less || again->objective < less->objective)) return *again;
+  return less.value_or(nothing);
 }
 
 bool is_sure(const Problem& problem, const SearchLimits& limits, const Fit& nothing,
@@ -96,8 +104,8 @@ Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
   std::vector<Fit> kept;
   for (std::size_t c = 0; c < best.causes.size();) {
     Fit less = without(problem, best, c, nothing);
-    // Stretched tolerances count as misfit. A cause that is small beside a large one still counts
-    // if the data need it or if it is not by chance.
+    // Stretched tolerances count as misfit. A cause beside others, however small, counts if the data
+    // need it or if it is not by chance.
     const double gain = best.log_evidence - less.evidence_at_best();
     const bool material = less.objective - best.objective >=
                           limits.least_share * (nothing.objective - best.objective);
@@ -105,7 +113,8 @@ Fit pruned(const Problem& problem, const Fit& whole, const Fit& nothing,
     const double left = less.excess(n) - excess_of(cost_of_errors(problem, nothing, less), n);
     const bool wanted = left >= limits.least_excess;
     const bool sure = is_sure(problem, limits, nothing, less, best);
-    if (gain >= limits.least_evidence && (material || wanted || sure)) {
+    const bool first = best.causes.size() == 1;
+    if (gain >= limits.least_evidence && (sure || wanted || (first && material))) {
       kept.push_back(std::move(less));
       ++c;
     } else {

@@ -18,9 +18,10 @@ void keep_if_new(const Structure& structure, std::vector<Fit>& fits, Fit fit);
 /// tolerances of a fit with causes.
 [[nodiscard]] Fit nothing_beside(const Problem& problem, const Fit& nothing, const Fit& fit);
 
-/// The fit without one of its causes, fitted again unless that is known; `nothing` if no cause is
-/// left, or if the others are impossible without it (a mass that is taken away beside one that is
-/// added). What the cause brings is then an upper bound.
+/// The fit without one of its causes, fitted again unless that is known: from its own deviations,
+/// and from those of `nothing` if it then explains less than that. `nothing` if no cause is left,
+/// or if the others are impossible without it (a mass that is taken away beside one that is added).
+/// What the cause brings is then an upper bound.
 [[nodiscard]] Fit without(const Problem& problem, const Fit& fit, std::size_t which,
                           const Fit& nothing);
 

@@ -10,19 +10,17 @@
 #include "base/error.h"
 #include "base/index.h"
 #include "base/interrupt.h"
-#include "dense/algebra.h"
 #include "dense/blas.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/fit/sensitivities.h"
-#include "diagnosis/search/quadratic.h"
 #include "diagnosis/search/simpler.h"
 #include "diagnosis/verdict/held_out_parts.h"
+#include "diagnosis/verdict/part_misfit.h"
 
 namespace chladni::diagnosis {
 namespace {
 
 using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 Fit quickly_fitted(const Problem& problem, const Fit& start) {
@@ -30,6 +28,11 @@ Fit quickly_fitted(const Problem& problem, const Fit& start) {
 }
 
 using Causes = std::vector<Supposed>;
+
+// The problem with these data instead, which must outlive it.
+Problem with_data(const Problem& problem, const Observed& data) {
+  return {problem.structure, data, problem.deviations, problem.solver_error};
+}
 
 // A fit to all data, and the fits to the data without each part; none where no fit is possible.
 struct Trained {
@@ -42,19 +45,34 @@ Trained trained(const Problem& problem, const std::vector<DataPart>& parts, Fit 
   for (const auto& part : parts) {
     throw_if_interrupted();
     const Observed data = without(problem.observed, part);
-    result.rest.push_back(
-        possible_fit({problem.structure, data, problem.deviations, problem.solver_error},
-                     result.whole, {.iterations = kConstants.quick_iterations}));
+    result.rest.push_back(possible_fit(with_data(problem, data), result.whole,
+                                       {.iterations = kConstants.quick_iterations}));
   }
   return result;
 }
 
-// True for each cause that the data without part f are evidence for, beside the other causes.
-std::vector<bool> supported(const Trained& all, const std::vector<Trained>& less, std::size_t f) {
+// True if the data are evidence for cause c of the fit `with`, which is `less` without it. That one
+// may have stopped on its way, so where the cause hardly lowers the misfit, the fit without it is
+// made again, beside the deviations of `with`.
+bool is_told(const Problem& problem, const Fit& with, const Fit& less, std::size_t c) {
+  if (!(with.evidence_at_best() > less.evidence_at_best())) return false;
+  Fit start = with;
+  start.causes.erase(start.causes.begin() + static_cast<std::ptrdiff_t>(c));
+  const double removed = misfit_at(problem, start.causes, start.eta);
+  if (removed > 0.5 * with.strained() + kConstants.sure_evidence) return true;
+  const auto again = possible_fit(problem, start, {.iterations = kConstants.quick_iterations});
+  return !again || with.evidence_at_best() > again->evidence_at_best() + kConstants.nothing_more;
+}
+
+// True for each cause that the data without a part are evidence for, beside the other causes.
+std::vector<bool> supported(const Problem& problem, const DataPart& part, const Trained& all,
+                            const std::vector<Trained>& less, std::size_t f) {
+  const Observed data = without(problem.observed, part);
+  const Problem rest = with_data(problem, data);
   std::vector<bool> is_supported(less.size(), false);
   for (std::size_t c = 0; c < less.size(); ++c) {
     if (!all.rest[f] || !less[c].rest[f]) continue;
-    is_supported[c] = all.rest[f]->evidence_at_best() > less[c].rest[f]->evidence_at_best();
+    is_supported[c] = is_told(rest, *all.rest[f], *less[c].rest[f], c);
   }
   return is_supported;
 }
@@ -77,86 +95,17 @@ Causes kept(const std::optional<Fit>& fit, const std::vector<bool>& supported,
   return causes;
 }
 
-// A part of the data with the slopes of a fit to all, by which the deviations are sought.
-struct PartSlopes {
-  std::vector<Index> rows;
-  MatrixXd slope;  // of the rows, by the deviations
-  MatrixXd gram;   // slopeᵀ slope
-};
-
-PartSlopes slopes_of(const Problem& problem, const DataPart& part, const MatrixXd& slopes,
-                     Index deviations) {
-  PartSlopes result;
-  result.rows = rows_of(problem.observed, part);
-  result.slope = slopes(result.rows, Eigen::lastN(deviations));
-  result.gram = MatrixXd::Zero(deviations, deviations);
-  dense::add_gram(result.slope, result.gram);
-  return result;
-}
-
-// ½(χ² + ηᵀη) of a part, its residual, and the deviations.
-struct PartPoint {
-  double misfit = HUGE_VAL;
-  VectorXd error, eta;
-};
-
-// None where the state is impossible.
-std::optional<PartPoint> part_point(const Problem& problem, const Causes& causes,
-                                    const PartSlopes& part, const VectorXd& eta) {
-  try {
-    const State state = state_of(problem, causes, eta);
-    const VectorXd all = residual(problem.observed, responses(state, problem.observed.omega));
-    PartPoint point{0.0, all(part.rows), eta};
-    point.misfit = 0.5 * point.error.squaredNorm() + 0.5 * eta.squaredNorm();
-    return point;
-  } catch (const NumericalFailure&) {
-    return std::nullopt;
-  }
-}
-
-// The deviations after a step by the slopes.
-VectorXd stepped(const PartSlopes& part, const PartPoint& from, double lambda) {
-  Quadratic quadratic{from.eta - part.slope.transpose() * from.error,
-                      part.gram.selfadjointView<Eigen::Lower>()};
-  quadratic.curvature.diagonal().array() += 1.0;
-  return from.eta + quadratic.step(lambda);
-}
-
-// Least ½(χ² + ηᵀη) of a part with these causes, by steps from eta that lower it; infinite where
-// they are impossible beside eta.
-double least_misfit(const Problem& problem, const Causes& causes, const PartSlopes& part,
-                    const VectorXd& eta) {
-  auto best = part_point(problem, causes, part, eta);
-  if (!best) return HUGE_VAL;
-  double lambda = 0.0;
-  for (int step = 0; step < kConstants.part_steps; ++step) {
-    auto next = part_point(problem, causes, part, stepped(part, *best, lambda));
-    if (!next || !(next->misfit < best->misfit)) {
-      lambda = std::max(0.1, 10.0 * lambda);
-      continue;
-    }
-    const double fall = best->misfit - next->misfit;
-    best = std::move(next);
-    if (fall < kConstants.nothing_more) break;
-  }
-  return best->misfit;
-}
-
 // ½(χ² + ηᵀη) of each part with its own causes, where the deviations suit it best. They go with the
 // causes, so they are sought from those of all data and from those of the rest.
 std::vector<double> misfits(const Problem& problem, const std::vector<DataPart>& parts,
                             const Trained& fits, const std::vector<Causes>& causes) {
-  const Fit& fit = fits.whole;
-  const State state = state_of(problem, fit.causes, fit.eta);
-  const Solved now = solved(state, Body(state, problem.observed.omega));
-  const MatrixXd slopes = sensitivities(problem, fit.causes, fit.eta, now);
   std::vector<double> misfit;
   for (std::size_t f = 0; f < parts.size(); ++f) {
-    const auto part = slopes_of(problem, parts[f], slopes, fit.eta.size());
-    misfit.push_back(least_misfit(problem, causes[f], part, fit.eta));
-    if (f >= fits.rest.size() || !fits.rest[f]) continue;
-    misfit.back() =
-        std::min(misfit.back(), least_misfit(problem, causes[f], part, fits.rest[f]->eta));
+    throw_if_interrupted();
+    const Observed data = only(problem.observed, parts[f]);
+    std::vector<VectorXd> starts{fits.whole.eta};
+    if (f < fits.rest.size() && fits.rest[f]) starts.push_back(fits.rest[f]->eta);
+    misfit.push_back(least_misfit(with_data(problem, data), causes[f], starts));
   }
   return misfit;
 }
@@ -283,7 +232,9 @@ CrossValidation cross_validated(const Problem& problem, const Observed& all, con
   const auto with = trained(problem, parts, quickly_fitted(problem, with_deviations(best, count)));
   const auto less = trained_without_each(problem, parts, with.whole, none);
   std::vector<std::vector<bool>> used;
-  for (std::size_t f = 0; f < parts.size(); ++f) used.push_back(supported(with, less, f));
+  for (std::size_t f = 0; f < parts.size(); ++f) {
+    used.push_back(supported(problem, parts[f], with, less, f));
+  }
   const auto causes = predicting(with, used);
   const auto after = misfits(problem, parts, with, judging(with, used));
   const auto before = misfits(problem, parts, less.size() == 1 ? less.front() : Trained{none, {}},

@@ -10,9 +10,10 @@ namespace chladni::diagnosis {
 
 /// Holds out each part (held_out_parts) in turn, fits the numbers of the causes to the others, and
 /// predicts the part: with the deviations at 0, for the errors, and with the deviations that suit
-/// the part best, to first order, for the gain.
+/// the part best (least_misfit), for the gain. A part whose rest tells nothing of a cause, not even
+/// beside other deviations, is neither for the cause nor against it.
 /// Cost: for n causes n + 1 fits for each part, each from the fit to all data: two or three
-/// iterations.
+/// iterations; and for each part a few steps of its deviations, with each cause and without it.
 /// @param problem  the lines and deviations of the fits
 /// @param all      the lines on which errors are computed
 /// @param best     its causes are tested

@@ -125,18 +125,4 @@ Observed only(const Observed& observed, const DataPart& part) {
   return reduced(observed, part, true);
 }
 
-std::vector<Index> rows_of(const Observed& observed, const DataPart& part) {
-  std::vector<Index> rows;
-  const Index numbers = observed.value.size();
-  for (const Index half : {Index{0}, numbers}) {
-    for (Index c = 0; c < observed.value.cols(); ++c) {
-      for (Index k = 0; k < observed.line_count(); ++k) {
-        if (!part.holds(c % observed.outputs, observed.omega(k))) continue;
-        rows.push_back(half + k + observed.line_count() * c);
-      }
-    }
-  }
-  return rows;
-}
-
 }  // namespace chladni::diagnosis

@@ -29,7 +29,4 @@ struct DataPart {
 [[nodiscard]] Observed without(const Observed& observed, const DataPart& part);
 [[nodiscard]] Observed only(const Observed& observed, const DataPart& part);
 
-/// Rows of the part in residual() and sensitivities(): real parts, then imaginary parts.
-[[nodiscard]] std::vector<Eigen::Index> rows_of(const Observed& observed, const DataPart& part);
-
 }  // namespace chladni::diagnosis

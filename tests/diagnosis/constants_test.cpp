@@ -89,6 +89,12 @@ std::vector<std::filesystem::path> sources() {
   return files;
 }
 
+// Constants derives from ModeConstants: a name in both would hide the other from who means it.
+TEST(Constants, HaveNamesOfTheirOwn) {
+  std::set<std::string> names;
+  for (const auto& row : declared()) EXPECT_TRUE(names.insert(row.name).second) << row.name;
+}
+
 TEST(Constants, EachHasUnitAndPurpose) {
   const auto text = header();
   EXPECT_EQ(declared().size(), matches(text, std::regex(R"(\n  [\w:]+ \w+ = [^;]+;)")).size());

@@ -13,6 +13,7 @@
 #include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/small_plate.h"
 #include "diagnosis/verdict/held_out_parts.h"
+#include "diagnosis/verdict/part_misfit.h"
 #include "rotation/turn.h"
 
 namespace chladni::diagnosis {
@@ -168,6 +169,50 @@ TEST(CrossValidation, PredictsWithTheConstantsOfTheFit) {
               1.5 * part.errors.relative(part.errors.noise))
         << part.low_hz << " Hz, " << part.sensors.front();
   }
+}
+
+// Stiffness off by 2 % moves the resonances by several of their widths. The tolerance has it, at
+// one deviation: half its square is all that the data cost.
+TEST(LeastMisfit, FollowsResonancesByMoreThanTheirWidths) {
+  const auto& plate = small_plate();
+  const auto& modulus = effect("youngs_modulus");
+  const std::vector<Deviation> tolerance{{"modulus", [&](State& state, double eta) {
+                                            modulus.apply(state, plate, 0,
+                                                          VectorXd::Constant(1, 0.02 * eta));
+                                          }}};
+  const Supposed stiffer{&modulus, 0, VectorXd::Constant(1, 0.02)};
+  const auto observed = exact({stiffer});
+  const Problem problem{plate, observed, tolerance};
+  const VectorXd none = VectorXd::Zero(1);
+  EXPECT_GT(0.5 * residual(observed, responses(state_of(plate), observed.omega)).squaredNorm(),
+            1e4);
+  const double almost = kConstants.nothing_more;
+  EXPECT_NEAR(least_misfit(problem, {}, {none}), 0.5, almost);
+  EXPECT_NEAR(least_misfit(problem, {stiffer}, {none}), 0.0, almost);
+  EXPECT_NEAR(least_misfit(problem, {stiffer}, {VectorXd::Constant(1, 1.0), none}), 0.0, almost);
+}
+
+// Without the sensor itself nothing tells of what another one leaks into it. That sensor is then
+// neither for the cause nor against it, whatever the tolerances make of its row.
+TEST(CrossValidation, HearsNothingOfCrosstalkWithoutItsSensor) {
+  const auto& plate = small_plate();
+  const auto leaking = [](double share) {
+    return Supposed{&effect("sensor_crosstalk"), 0, VectorXd::Constant(1, share)};
+  };
+  auto tolerances = no_tolerances();
+  tolerances.frequency = 1e-3;
+  tolerances.position = 1e-3;
+  tolerances.gain = 0.02;
+  const auto made =
+      tested(noisy({leaking(0.5)}, 3), {leaking(0.45)}, deviations(plate, tolerances, 900.0));
+  for (const auto& part : made.result.parts) {
+    if (part.kind == Kind::sensors && part.sensors.front() == plate.outputs.names.front()) {
+      EXPECT_EQ(part.gain, 0.0);
+    } else {
+      EXPECT_GT(part.gain, -3.0) << part.low_hz << " Hz, " << part.sensors.front();
+    }
+  }
+  EXPECT_TRUE(made.result.pays());
 }
 
 // The density goes with the tolerances of the modulus and the gains. Data without some of the lines

@@ -5,6 +5,7 @@
 #include "diagnosis/observed.h"
 #include "simulators/hidden/hidden_effect.h"
 #include "simulators/plates/ritz_structure.h"
+#include "simulators/portable_random.h"
 
 namespace chladni::diagnosis {
 
@@ -37,6 +38,16 @@ namespace chladni::diagnosis {
   observed.omega = some_lines();
   observed.value = responses(state, observed.omega);
   observed.weight = weight * observed.value.cwiseAbs().cwiseInverse();
+  return observed;
+}
+
+/// The same with normal noise of the variances that its weights state.
+[[nodiscard]] inline Observed with_noise(Observed observed, unsigned seed) {
+  simulators::Dice dice(seed);
+  Eigen::MatrixXcd noise(observed.value.rows(), observed.value.cols());
+  noise.real() = dice.normal(noise.rows(), noise.cols());
+  noise.imag() = dice.normal(noise.rows(), noise.cols());
+  observed.value += noise.cwiseQuotient(observed.weight.cast<std::complex<double>>());
   return observed;
 }
 

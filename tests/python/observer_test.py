@@ -1,4 +1,5 @@
 """chladni.observe: a filter of the identified model, against its own equations and a virtual rig."""
+import sys
 import unittest
 
 import chladni
@@ -170,4 +171,12 @@ class Observer(InFolder):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) == 3:
+        source, sample = sys.argv[1:]
+        del sys.argv[1:]
+        sys.path.insert(0, f"{source}/tests/rotation")
+        from turn import why_skipped
+        if why := why_skipped("python.observer", sample, source):
+            print(why)
+            sys.exit(77)
     unittest.main()

@@ -10,9 +10,15 @@ def has_turn(test, number):
     return (total >> 16) % 4 == number % 4
 
 
+def drawn_number(sample, source):
+    """The number of the sample that `sample`, the program chladni_sample, draws; None: all tests run."""
+    number = subprocess.run([sample, source], stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
+    return None if number == "all" else int(number)
+
+
 def why_skipped(test, sample, source):
     """Why the test is skipped; empty where it has its turn. `sample` is the program chladni_sample."""
-    number = subprocess.run([sample, source], stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
-    if number == "all" or has_turn(test, int(number)):
+    number = drawn_number(sample, source)
+    if number is None or has_turn(test, number):
         return ""
     return f"runs at another landing than number {number}: CHLADNI_STUDIES=all runs it"

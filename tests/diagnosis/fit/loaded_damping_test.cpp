@@ -117,6 +117,30 @@ TEST(LoadedDamping, DeviatesByLoadedModes) {
   EXPECT_NEAR(times.maxCoeff(), std::exp(0.4), 1e-6);
 }
 
+// A square plate with a repeated pair whose two ratios differ. A change of the whole body in the
+// last digits gives the eigensolver other shapes of the pair, and the damping must not jump with
+// them.
+TEST(LoadedDamping, DoesNotJumpInARepeatedMode) {
+  Structure plate = small_plate();
+  const Index one = plate.rigid_count + 1;
+  plate.frequency_hz(one + 1) = plate.frequency_hz(one);
+  VectorXd relative = VectorXd::Zero(plate.mode_count());
+  relative(one) = 0.4;
+  const auto scaled = [&](double by) {
+    const Supposed thicker{&effect("thickness"), 0, VectorXd::Constant(1, by)};
+    return loaded_damping(plate, {thicker}).gained(relative);
+  };
+  double most = 0.0;
+  for (int n = 1; n <= 20; ++n) {
+    const MatrixXd change = scaled(0.01 + 1e-12 * n) - scaled(0.01);
+    most = std::max(most, change.norm());
+  }
+  EXPECT_LT(most, 1e-7 * state_of(plate).damping.norm());
+  // Each of the two keeps its own ratio, as it has beside no cause at all.
+  const MatrixXd small = scaled(1e-9);
+  EXPECT_LT(small.norm(), 1e-6 * state_of(plate).damping.norm());
+}
+
 // A step of a coordinate would leave no positive mass there: the slopes are those of shorter steps.
 TEST(LoadedDamping, HasSlopesBesideABodyThatIsImpossible) {
   const LoadedProblem loaded;
