@@ -5,6 +5,7 @@
 #include <functional>
 #include <utility>
 
+#include "base/error.h"
 #include "base/index.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/fit/information.h"
@@ -66,6 +67,47 @@ std::vector<Promise> promises(const Problem& problem, const Fit& without, const 
   return promises;
 }
 
+// The general effect with the numbers that it shares with its special case; the others are usual.
+Supposed general_of(const Effect& general, const Supposed& cause, const Structure& structure) {
+  const auto known = cause.effect->parameters(structure);
+  const auto parameters = general.parameters(structure);
+  Supposed start{&general, cause.option, Eigen::VectorXd(std::ssize(parameters))};
+  for (Index i = 0; i < start.x.size(); ++i) {
+    const auto& wanted = parameters[at(i)];
+    const auto same = std::ranges::find(known, wanted.name, &Parameter::name);
+    start.x(i) = same == known.end()
+                     ? wanted.centre
+                     : wanted.coordinate(same->value(cause.x(same - known.begin())));
+  }
+  return start;
+}
+
+// The extents at which an effect is begun: none for an effect without one.
+std::vector<Supposed> extents_of(Supposed usual, const Structure& structure) {
+  const auto parameters = usual.effect->parameters(structure);
+  const auto extent = std::ranges::find(parameters, Parameter::Role::extent, &Parameter::role);
+  if (extent == parameters.end()) return {};
+  std::vector<Supposed> all;
+  for (const double widths : {0.0, -1.0, 1.0}) {
+    all.push_back(usual);
+    all.back().x(extent - parameters.begin()) += widths * extent->width;
+  }
+  return all;
+}
+
+// χ² with this as the last cause of the fit, as far as it is possible.
+double misfit_with(const Problem& problem, const Fit& fit, const Supposed& last) {
+  if (!std::isfinite(log_prior(last, problem.structure))) return HUGE_VAL;
+  std::vector<Supposed> causes = fit.causes;
+  causes.back() = last;
+  try {
+    const State state = state_of(problem, causes, fit.eta);
+    return residual(problem.observed, responses(state, problem.observed.omega)).squaredNorm();
+  } catch (const NumericalFailure&) {
+    return HUGE_VAL;  // such a structure is impossible
+  }
+}
+
 }  // namespace
 
 std::vector<Supposed> elsewhere(const Problem& problem, const Fit& without, const Supposed& cause) {
@@ -87,6 +129,27 @@ std::vector<Supposed> elsewhere(const Problem& problem, const Fit& without, cons
     found.push_back(std::move(promise.cause));
   }
   return found;
+}
+
+std::vector<Supposed> spread_out(const Problem& problem, const Fit& fit,
+                                 const std::vector<const Effect*>& catalogue) {
+  const Supposed& cause = fit.causes.back();
+  std::vector<Supposed> all;
+  for (const Effect* general : catalogue) {
+    const bool is_general = std::ranges::any_of(
+        general->simpler, [&](const Simpler& pair) { return pair.effect == cause.effect; });
+    if (!is_general || cause.option >= general->options(problem.structure)) continue;
+    double least = HUGE_VAL;
+    Supposed best;
+    for (auto& start :
+         extents_of(general_of(*general, cause, problem.structure), problem.structure)) {
+      const double misfit = misfit_with(problem, fit, start);
+      if (misfit < least) best = std::move(start);
+      least = std::min(least, misfit);
+    }
+    if (least < HUGE_VAL) all.push_back(std::move(best));
+  }
+  return all;
 }
 
 }  // namespace chladni::diagnosis
