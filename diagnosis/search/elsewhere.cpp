@@ -5,12 +5,12 @@
 #include <functional>
 #include <utility>
 
-#include "base/error.h"
 #include "base/index.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/fit/information.h"
 #include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/search/probe.h"
+#include "diagnosis/verdict/part_misfit.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -67,21 +67,6 @@ std::vector<Promise> promises(const Problem& problem, const Fit& without, const 
   return promises;
 }
 
-// The general effect with the numbers that it shares with its special case; the others are usual.
-Supposed general_of(const Effect& general, const Supposed& cause, const Structure& structure) {
-  const auto known = cause.effect->parameters(structure);
-  const auto parameters = general.parameters(structure);
-  Supposed start{&general, cause.option, Eigen::VectorXd(std::ssize(parameters))};
-  for (Index i = 0; i < start.x.size(); ++i) {
-    const auto& wanted = parameters[at(i)];
-    const auto same = std::ranges::find(known, wanted.name, &Parameter::name);
-    start.x(i) = same == known.end()
-                     ? wanted.centre
-                     : wanted.coordinate(same->value(cause.x(same - known.begin())));
-  }
-  return start;
-}
-
 // The extents at which an effect is begun: none for an effect without one.
 std::vector<Supposed> extents_of(Supposed usual, const Structure& structure) {
   const auto parameters = usual.effect->parameters(structure);
@@ -93,19 +78,6 @@ std::vector<Supposed> extents_of(Supposed usual, const Structure& structure) {
     all.back().x(extent - parameters.begin()) += widths * extent->width;
   }
   return all;
-}
-
-// χ² with this as the last cause of the fit, as far as it is possible.
-double misfit_with(const Problem& problem, const Fit& fit, const Supposed& last) {
-  if (!std::isfinite(log_prior(last, problem.structure))) return HUGE_VAL;
-  std::vector<Supposed> causes = fit.causes;
-  causes.back() = last;
-  try {
-    const State state = state_of(problem, causes, fit.eta);
-    return residual(problem.observed, responses(state, problem.observed.omega)).squaredNorm();
-  } catch (const NumericalFailure&) {
-    return HUGE_VAL;  // such a structure is impossible
-  }
 }
 
 }  // namespace
@@ -134,6 +106,7 @@ std::vector<Supposed> elsewhere(const Problem& problem, const Fit& without, cons
 std::vector<Supposed> spread_out(const Problem& problem, const Fit& fit,
                                  const std::vector<const Effect*>& catalogue) {
   const Supposed& cause = fit.causes.back();
+  std::vector<Supposed> causes = fit.causes;
   std::vector<Supposed> all;
   for (const Effect* general : catalogue) {
     const bool is_general = std::ranges::any_of(
@@ -142,8 +115,10 @@ std::vector<Supposed> spread_out(const Problem& problem, const Fit& fit,
     double least = HUGE_VAL;
     Supposed best;
     for (auto& start :
-         extents_of(general_of(*general, cause, problem.structure), problem.structure)) {
-      const double misfit = misfit_with(problem, fit, start);
+         extents_of(counterpart(cause, *general, problem.structure), problem.structure)) {
+      if (!std::isfinite(log_prior(start, problem.structure))) continue;
+      causes.back() = start;
+      const double misfit = misfit_at(problem, causes, fit.eta);
       if (misfit < least) best = std::move(start);
       least = std::min(least, misfit);
     }

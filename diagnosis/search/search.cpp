@@ -186,12 +186,14 @@ std::vector<std::optional<Fit>> fitted_spread_out(const Level& level,
   std::vector<std::optional<Fit>> fits;
   if (grown.front().excess(numbers(level.problem)) < kConstants.noise_excess) return fits;
   for (const auto& fit : grown) {
+    auto starts = spread_out(level.problem, fit, level.catalogue);
+    if (starts.empty()) continue;
     Fit beside = fit;
     beside.causes.pop_back();
-    for (auto& start : spread_out(level.problem, fit, level.catalogue)) {
+    for (auto& start : starts) {
       fits.push_back(fitted_from(level, {std::move(start), 0.0, &beside, false}, false, HUGE_VAL));
     }
-    if (!fits.empty()) break;
+    break;
   }
   return fits;
 }
