@@ -107,7 +107,11 @@ struct Supposed {
 [[nodiscard]] std::function<void(State&)> change_of(const Supposed& supposed,
                                                     const Structure& structure);
 
-/// Each simpler effect, with the numbers that both share or that the general one implies.
+/// The effect that stands for a cause of another effect, with the same choice, the numbers that
+/// both share or that the cause implies, and the others at the centres of their priors.
+[[nodiscard]] Supposed counterpart(const Supposed& cause, const Effect& effect,
+                                   const Structure& structure);
+/// The counterparts of each simpler effect that has the choice.
 [[nodiscard]] std::vector<Supposed> simplified(const Supposed& supposed,
                                                const Structure& structure);
 

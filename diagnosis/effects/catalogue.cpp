@@ -87,32 +87,36 @@ double Parameter::value_per_coordinate(double x) const {
 
 namespace {
 
-// The value of the general effect's parameter for the simpler effect; its centre if there is none.
-double shared_coordinate(const Parameter& wanted, const Supposed& general,
+// The value of the cause's parameter for the other effect; its centre if there is none.
+double shared_coordinate(const Parameter& wanted, const Supposed& cause,
                          const std::vector<Parameter>& parameters) {
   const auto same = std::ranges::find(parameters, wanted.name, &Parameter::name);
   if (same != parameters.end()) {
-    return wanted.coordinate(same->value(general.x(same - parameters.begin())));
+    return wanted.coordinate(same->value(cause.x(same - parameters.begin())));
   }
-  if (general.effect->implied == nullptr) return wanted.centre;
-  const auto implied = general.effect->implied(wanted.name, general.x);
+  if (cause.effect->implied == nullptr) return wanted.centre;
+  const auto implied = cause.effect->implied(wanted.name, cause.x);
   return implied ? wanted.coordinate(*implied) : wanted.centre;
 }
 
 }  // namespace
 
+Supposed counterpart(const Supposed& cause, const Effect& effect, const Structure& structure) {
+  const auto known = cause.effect->parameters(structure);
+  const auto parameters = effect.parameters(structure);
+  Supposed other{&effect, cause.option,
+                 Eigen::VectorXd(static_cast<Eigen::Index>(parameters.size()))};
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    other.x(static_cast<Eigen::Index>(i)) = shared_coordinate(parameters[i], cause, known);
+  }
+  return other;
+}
+
 std::vector<Supposed> simplified(const Supposed& supposed, const Structure& structure) {
-  const auto general = supposed.effect->parameters(structure);
   std::vector<Supposed> all;
   for (const auto& [simpler, share] : supposed.effect->simpler) {
     if (supposed.option >= simpler->options(structure)) continue;
-    const auto parameters = simpler->parameters(structure);
-    Supposed one{simpler, supposed.option,
-                 Eigen::VectorXd(static_cast<Eigen::Index>(parameters.size()))};
-    for (std::size_t i = 0; i < parameters.size(); ++i) {
-      one.x(static_cast<Eigen::Index>(i)) = shared_coordinate(parameters[i], supposed, general);
-    }
-    all.push_back(std::move(one));
+    all.push_back(counterpart(supposed, *simpler, structure));
   }
   return all;
 }

@@ -10,6 +10,7 @@
 #include "diagnosis/fit/information.h"
 #include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/search/probe.h"
+#include "diagnosis/verdict/part_misfit.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -66,6 +67,19 @@ std::vector<Promise> promises(const Problem& problem, const Fit& without, const 
   return promises;
 }
 
+// The extents at which an effect is begun: none for an effect without one.
+std::vector<Supposed> extents_of(Supposed usual, const Structure& structure) {
+  const auto parameters = usual.effect->parameters(structure);
+  const auto extent = std::ranges::find(parameters, Parameter::Role::extent, &Parameter::role);
+  if (extent == parameters.end()) return {};
+  std::vector<Supposed> all;
+  for (const double widths : {0.0, -1.0, 1.0}) {
+    all.push_back(usual);
+    all.back().x(extent - parameters.begin()) += widths * extent->width;
+  }
+  return all;
+}
+
 }  // namespace
 
 std::vector<Supposed> elsewhere(const Problem& problem, const Fit& without, const Supposed& cause) {
@@ -87,6 +101,30 @@ std::vector<Supposed> elsewhere(const Problem& problem, const Fit& without, cons
     found.push_back(std::move(promise.cause));
   }
   return found;
+}
+
+std::vector<Supposed> spread_out(const Problem& problem, const Fit& fit,
+                                 const std::vector<const Effect*>& catalogue) {
+  const Supposed& cause = fit.causes.back();
+  std::vector<Supposed> causes = fit.causes;
+  std::vector<Supposed> all;
+  for (const Effect* general : catalogue) {
+    const bool is_general = std::ranges::any_of(
+        general->simpler, [&](const Simpler& pair) { return pair.effect == cause.effect; });
+    if (!is_general || cause.option >= general->options(problem.structure)) continue;
+    double least = HUGE_VAL;
+    Supposed best;
+    for (auto& start :
+         extents_of(counterpart(cause, *general, problem.structure), problem.structure)) {
+      if (!std::isfinite(log_prior(start, problem.structure))) continue;
+      causes.back() = start;
+      const double misfit = misfit_at(problem, causes, fit.eta);
+      if (misfit < least) best = std::move(start);
+      least = std::min(least, misfit);
+    }
+    if (least < HUGE_VAL) all.push_back(std::move(best));
+  }
+  return all;
 }
 
 }  // namespace chladni::diagnosis

@@ -1,4 +1,4 @@
-// Other possible places of a cause.
+// Other possible places of a cause, and other possible extents.
 #pragma once
 
 #include <vector>
@@ -16,5 +16,14 @@ namespace chladni::diagnosis {
 /// @param without  the fit without the cause
 [[nodiscard]] std::vector<Supposed> elsewhere(const Problem& problem, const Fit& without,
                                               const Supposed& cause);
+
+/// A cause in one place may stand in the middle of what acts over an extent: a spring in a pad. A
+/// start of the general effect at a peak of the scan need not lead there, the fitted place does.
+/// For each effect of the catalogue that has an extent and of which the last cause of `fit` is a
+/// special case: it in that cause's stead, with the numbers that both share. Of the usual extent
+/// and those a width of its prior below and above it has the one that leaves the least misfit
+/// beside the tolerances of `fit`. Cost: the responses of three states for each effect.
+[[nodiscard]] std::vector<Supposed> spread_out(const Problem& problem, const Fit& fit,
+                                               const std::vector<const Effect*>& catalogue);
 
 }  // namespace chladni::diagnosis

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -178,6 +179,25 @@ std::vector<std::optional<Fit>> fitted_elsewhere(const Level& level, const Fit& 
   return fits;
 }
 
+// The best of these fits whose last cause may be a special case of what acts over an extent, with
+// that instead; none where only noise is left. Such a start is far from its fit: there is no bar.
+std::vector<std::optional<Fit>> fitted_spread_out(const Level& level,
+                                                  const std::vector<Fit>& grown) {
+  std::vector<std::optional<Fit>> fits;
+  if (grown.front().excess(numbers(level.problem)) < kConstants.noise_excess) return fits;
+  for (const auto& fit : grown) {
+    auto starts = spread_out(level.problem, fit, level.catalogue);
+    if (starts.empty()) continue;
+    Fit beside = fit;
+    beside.causes.pop_back();
+    for (auto& start : starts) {
+      fits.push_back(fitted_from(level, {std::move(start), 0.0, &beside, false}, false, HUGE_VAL));
+    }
+    break;
+  }
+  return fits;
+}
+
 // Fits with one more cause for each explanation of the beam. Two are fitted at once for any number
 // of threads, so that later fits always meet the same limit.
 std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam, double bar = HUGE_VAL) {
@@ -201,7 +221,9 @@ std::vector<Fit> level_up(const Level& level, const std::vector<Fit>& beam, doub
     }
   }
   if (under_best == nullptr || level.limits.is_look) return grown;
-  for (auto& fit : fitted_elsewhere(level, *under_best, grown.front(), bar)) {
+  auto more = fitted_elsewhere(level, *under_best, grown.front(), bar);
+  std::ranges::move(fitted_spread_out(level, grown), std::back_inserter(more));
+  for (auto& fit : more) {
     if (fit && !overlaps_itself(level.problem.structure, *fit)) keep(grown, *std::move(fit));
   }
   return grown;

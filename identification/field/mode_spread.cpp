@@ -5,7 +5,8 @@
 namespace chladni::identification {
 namespace {
 
-// Of a mode whose covariance the match did not follow: that of the fit, in the scale of the match.
+// The spread of a mode whose covariance the match did not follow: the fit's own, in the scale of
+// the match.
 ModeSpread fitted_spread(const ModalFit& fit, const Eigen::RowVectorXd& input, Eigen::Index m) {
   const auto p = fit.model.output_count();
   const auto q = fit.model.input_count();

@@ -278,7 +278,7 @@ GainPrior simulated_gain_prior(const ModalFit& fit, const priors::Simulation& si
   const auto learned = priors::learned_corrections(shapes, plain.basis, simulation.corrections);
   auto prior = corrected(plain, learned.likeliest);
   for (const auto& other : learned.aside) prior.aside.push_back(corrected(plain, other));
-  // Of dozens of corrections one or two are by chance far from plausible. `aside` holds what that
+  // One or two of dozens of corrections are by chance far from plausible. `aside` holds what that
   // means.
   prior.doubts = learned.doubts;
   return prior;

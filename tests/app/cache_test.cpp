@@ -5,6 +5,7 @@
 #include <map>
 
 #include "io/json.h"
+#include "rotation/turn.h"
 #include "tests/app/program.h"
 
 namespace chladni::app {
@@ -36,6 +37,7 @@ modes = 3
 )";
 
 TEST_F(CacheVerb, FourVerbsOnOneBodyCostOneSolve) {
+  EVERY_FOURTH_LANDING();
   const auto study = write("study.toml", kStage).string();
   const std::pair<std::string, std::string> verbs[] = {{"modes", "modes.json"},
                                                        {"place", "placement.json"},

@@ -32,7 +32,6 @@ class Elsewhere : public testing::Test {
     return (*place_of(fit.causes.front(), plate_) - place_).norm();
   }
 
- private:
   Fit fit_with(std::vector<Supposed> causes) const {
     Fit fit;
     fit.causes = std::move(causes);
@@ -40,7 +39,6 @@ class Elsewhere : public testing::Test {
     return fit;
   }
 
- protected:
   const Structure& plate_ = small_plate();
   const Vector2d place_{0.09, -0.06};
   const Observed observed_ = [this] {
@@ -67,6 +65,22 @@ TEST_F(Elsewhere, LeadsFromAMinimumToTheTruth) {
 
 TEST_F(Elsewhere, SeesNothingFromTheRightOne) {
   EXPECT_TRUE(seen_from(resonator_at(place_)).empty());
+}
+
+TEST_F(Elsewhere, SpreadsASpringToThePadAroundIt) {
+  const std::vector<const Effect*> catalogue{&effect("ground_spring"), &effect("elastic_pad"),
+                                             &effect("resonator"), &effect("mass_with_inertia")};
+  const Supposed spring{&effect("ground_spring"), 0,
+                        Eigen::Vector3d(std::log(2e5), place_.x(), place_.y())};
+  const auto pads = spread_out(problem_, fit_with({spring}), catalogue);
+  ASSERT_EQ(pads.size(), 1U);
+  EXPECT_EQ(pads.front().effect, &effect("elastic_pad"));
+  EXPECT_DOUBLE_EQ(pads.front().x(0), spring.x(0));
+  EXPECT_EQ(*place_of(pads.front(), plate_), place_);
+  // What is no special case of an effect with an extent.
+  EXPECT_TRUE(spread_out(problem_, fit_with({resonator_at(place_)}), catalogue).empty());
+  const Supposed mass{&effect("point_mass"), 0, Eigen::Vector3d(0.01, place_.x(), place_.y())};
+  EXPECT_TRUE(spread_out(problem_, fit_with({mass}), catalogue).empty());
 }
 
 TEST_F(Elsewhere, IsNoPlaceForWhatHasNone) {

@@ -98,6 +98,23 @@ TEST(Search, KeepsTheTwinOfACauseAsItsRival) {
   EXPECT_TRUE(within("sensor_low_pass"));
 }
 
+// The scan for places sees springs, to first order: its peaks lie beside a pad that is stiff. This
+// one was told as a resonator and a mass.
+TEST(Search, FindsAStiffPadFromTheSpringInItsMiddle) {
+  const auto& plate = small_plate();
+  const Eigen::Vector2d place(0.02, 0.05);
+  const Eigen::Vector4d pad(std::log(1.4e6), std::log(0.12), place.x(), place.y());
+  const auto observed = noisy(plate, {{&effect("elastic_pad"), 0, pad}}, 7);
+  const auto found =
+      found_in(plate, observed,
+               {"elastic_pad", "ground_spring", "ground_damper", "resonator", "point_mass",
+                "sensor_gain", "overall_gain", "frame", "local_stiffness"});
+  const Fit& best = found.fits.front();
+  ASSERT_EQ(best.causes.size(), 1U);
+  ASSERT_TRUE(has(best, "elastic_pad"));
+  EXPECT_LT((best.causes.front().x.tail(2) - place).norm(), 2e-3);
+}
+
 // A mass with a radius that the data do not ask for.
 TEST(Search, TriesTheSimplerEffectInTheEnd) {
   const auto& plate = small_plate();

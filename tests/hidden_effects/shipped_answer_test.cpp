@@ -71,6 +71,7 @@ TEST(ShippedAnswer, APatchOfUnknownFactorOutweighsAMassThatExplainsLess) {
 }
 
 TEST(ShippedAnswer, NamesAMassOnAStripWhoseModelIsOff) {
+  EVERY_FOURTH_LANDING();
   const auto rig = simulators::real_rig_case("strip", "point_mass", 1);
   const auto told = shipped_answer(rig);
   ASSERT_EQ(told.result.verdict, Verdict::named) << diagnosis::name(told.result.verdict);

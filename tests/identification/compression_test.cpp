@@ -7,6 +7,7 @@
 
 #include "fit_errors.h"
 #include "identification/identified.h"
+#include "rotation/turn.h"
 #include "simulators/frf_bounds.h"
 #include "simulators/frf_cases.h"
 
@@ -63,6 +64,7 @@ TEST(Compression, LosesAFractionOfTheBound) {
 
 // Identified takes this way by itself where there are many responses.
 TEST(Compression, FindsTheModesOfManyChannels) {
+  EVERY_FOURTH_LANDING();
   const auto made = noisy(20, 18, 15, 800, 2);
   IdentificationOptions options;
   options.rigid_count = 3;

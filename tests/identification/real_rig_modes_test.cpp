@@ -7,6 +7,7 @@
 
 #include "identification/identified.h"
 #include "identification/poles/missing_mode.h"
+#include "rotation/turn.h"
 #include "simulators/rigs/real_rig.h"
 
 namespace chladni::identification {
@@ -32,6 +33,7 @@ class ComplexModesOfARig : public testing::TestWithParam<const char*> {};
 // The pole of a mode that is nearly critically damped lost the digits of its ω_d, and the responses
 // of the model were eleven times too large beside a fit down to the noise.
 TEST_P(ComplexModesOfARig, HaveTheResponsesOfTheirCost) {
+  EVERY_FOURTH_LANDING();
   const auto data = fit_data(simulators::real_rig_case(GetParam(), "none", 1).measured);
   const auto fit = identified(data, with_complex_modes()).fit;
   EXPECT_NEAR(cost_of(fit, data) / fit.cost, 1.0, 1e-3);

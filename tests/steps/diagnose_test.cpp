@@ -143,6 +143,7 @@ TEST_F(Diagnose, ATurnedSensorIsSeenInOneResponse) {
 }
 
 TEST_F(Diagnose, AMassIsFoundWithoutACollocatedPair) {
+  EVERY_FOURTH_LANDING();
   const auto one = diagnosed_from(measured_of({"point_mass"}, {0, 2}, {4, 6, 9}));
   EXPECT_EQ(one.result.verdict, Verdict::named) << show::verdict_text(one.result);
   ASSERT_EQ(one.result.best.causes.size(), 1U) << show::verdict_text(one.result);

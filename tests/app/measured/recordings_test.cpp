@@ -14,6 +14,7 @@
 #include "io/json.h"
 #include "io/time_file.h"
 #include "recordings/virtual_experiment.h"
+#include "rotation/turn.h"
 #include "stage/at_channels.h"
 #include "stage/solution.h"
 #include "steps/simulated.h"
@@ -116,6 +117,7 @@ TEST_F(Recordings, AHoldThatStaysLooksLikeADelay) {
 }
 
 TEST_F(Recordings, AClosedLoopGivesTheModesOfTheFreeBody) {
+  EVERY_FOURTH_LANDING();
   const auto study = study_of("closed_loop");
   simulate(study, "closed_loop");
   expect_modes(identify(study), body_of(study), 20.0, 1200.0);
@@ -145,6 +147,7 @@ recordings::TimeData ten_blows(const steps::Bench& bench) {
 
 // Blows on the simulated body, in records that are too short for its first mode.
 TEST_F(Recordings, BlowsGiveDampingWithoutThatOfTheWindow) {
+  EVERY_FOURTH_LANDING();
   const auto study = study_of("hammer");
   stage::Work work;
   fs::create_directories(folder_.path() / "hammer");

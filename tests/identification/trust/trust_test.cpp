@@ -127,6 +127,7 @@ TEST(Trust, SaysThatWhatIsLeftIsMoreThanNoise) {
 // Where a dashpot couples the modes real shapes invent some; a fit with complex ones says how many
 // there are. Where nothing couples them they are not proposed.
 TEST(Trust, ProposesComplexShapesWhereADashpotCouplesTheModes) {
+  EVERY_FOURTH_LANDING();
   for (const double dashpot : {0.03, 0.1, 0.3}) {
     FrfFaults faults;
     faults.dashpot = dashpot;

@@ -70,7 +70,7 @@ TEST(MatUnits, OfChannelsCountBeforeThatOfAll) {
       << testing::PrintToString(file.notes);
 }
 
-// Of two units for three outputs the last was that of the third.
+// Where two units stood for three outputs, the third took the last one.
 TEST(MatUnits, AreOneOrOneForEachChannel) {
   for (const auto& [name, texts] :
        {std::pair("output_unit", Texts{"m", "m", "g"}), std::pair("unit", Texts{"m", "m", "g"}),
