@@ -3,11 +3,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
-#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "base/search.h"
 #include "base/turn.h"
 
 namespace chladni::recordings {
@@ -61,7 +61,7 @@ std::array<double, kMoments> moments(double from, double to) {
   std::array<double, kMoments> all = {};
   for (std::size_t n = 0; n < kMoments; ++n) {
     const auto weighted = [n](double t) { return std::pow(t, n) * impulse_at(t); };
-    all[n] = boost::math::quadrature::gauss<double, 15>::integrate(weighted, from, to);
+    all[n] = integral_of(weighted, from, to);
   }
   return all;
 }
