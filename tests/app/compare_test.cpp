@@ -108,6 +108,15 @@ damping = "0.5 N s/m"
   run(compare_command, damped + measured_ + "[identification]\nunit = \"SI\"\n", "out");
   const auto all = json("out/comparison.json");
   EXPECT_LT(all.at("relative_error").number(), 1.2 * all.at("noise_floor").number());
+  // The table of modes left the dashpot out of the simulated damping ratios.
+  ASSERT_GE(all.at("modes").array().size(), 4U);
+  double most = 0.0;
+  for (const auto& pair : all.at("modes").array()) {
+    const double simulated = pair.at("simulated_damping").number();
+    EXPECT_NEAR(simulated, pair.at("measured_damping").number(), 0.02 * simulated);
+    most = std::max(most, simulated);
+  }
+  EXPECT_GT(most, 0.0102);
 }
 
 TEST_F(Compare, TellsTheDeviationsThatAMassLeaves) {
