@@ -41,6 +41,12 @@ TEST_F(Told, TablesBehindAVerdictThatExplainsComeOnlyWithAll) {
   EXPECT_EQ(first.find("CoMAC"), std::string::npos) << first;
   EXPECT_NE(first.find("responses off by"), std::string::npos) << first;
   EXPECT_NE(first.find("--all"), std::string::npos) << first;
+  // What responses would show is no claim of modes that answer in their place.
+  EXPECT_NE(first.find("This experiment finds"), std::string::npos) << first;
+  auto of_modes = one;
+  of_modes.result.modes = {diagnosis::ModeTold{}};
+  EXPECT_EQ(show::diagnosis_table(of_modes, false).find("This experiment finds"),
+            std::string::npos);
   auto open = one;
   open.result.verdict = diagnosis::Verdict::unexplained;
   EXPECT_NE(show::diagnosis_table(open, false).find("CoMAC"), std::string::npos);
