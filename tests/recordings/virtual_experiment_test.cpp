@@ -230,6 +230,18 @@ TEST(VirtualExperiment, VelocitiesAndAccelerationsContainTheStaticFlexibility) {
   }
 }
 
+// A mode at rest yields as far below its frequency.
+TEST(VirtualExperiment, ModesAtRestYieldStatically) {
+  for (const auto& model : {flexible_modes(), damped_modes()}) {
+    const auto at_rest = at_rest_above(model, 30.0);
+    EXPECT_EQ(at_rest.mode_count(), 1);
+    EXPECT_EQ(at_rest_above(model, 50.0).mode_count(), 2);
+    const Eigen::VectorXd low = Eigen::VectorXd::Constant(1, 0.01);
+    const Eigen::MatrixXcd want = modal::frf(model, low).value[0];
+    EXPECT_LT((modal::frf(at_rest, low).value[0] - want).norm(), 1e-5 * want.norm());
+  }
+}
+
 // A force reached the accelerations through the flexibility in series with a dashpot at once.
 TEST(VirtualExperiment, VelocitiesAndAccelerationsAreDampedAsTheModel) {
   for (const double delay : {0.0, 0.3}) {
