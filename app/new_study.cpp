@@ -135,7 +135,7 @@ int new_study(const NewStudy& wanted, std::ostream& results) {
   ask_material(dialog, choices);
   const auto text = show::first_study(choices, file);
   write_atomically(file, text);
-  results << fmt::format("{}\nchladni check {}\n", file.string(), file.string());
+  results << fmt::format("{}\nchladni check {}\n", file.string(), show::shell_word(file.string()));
   return 0;
 }
 

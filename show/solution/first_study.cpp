@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "base/error.h"
@@ -83,7 +84,7 @@ std::string beginning(const FirstChoices& choices, const fs::path& file, const s
       choices.kind == "file" ? choices.part.stem().string() : "a first " + choices.kind;
   std::string text =
       "# A first study, written by `chladni new`. What stands behind # is a comment.\n";
-  text += fmt::format(fmt::runtime(kCommands), name);
+  text += fmt::format(fmt::runtime(kCommands), shell_word(name));
   text += "# Every key: chladni list keys. Every dimension has its unit.\n\n";
   text += fmt::format("title    = {}\nmaterial = {}  # others: chladni list materials\n",
                       study::toml_text(title), study::toml_text(choices.material));
@@ -248,6 +249,17 @@ std::string first_study(const FirstChoices& choices, const fs::path& file) {
   static_cast<void>(stage::places_of(whole, outline.shell));
   stage::require_faces(whole, outline.shell);
   return text;
+}
+
+std::string shell_word(const std::string& word) {
+  constexpr std::string_view plain = "._/-+=:,@%";
+  const bool is_plain = !word.empty() && std::ranges::all_of(word, [&](unsigned char letter) {
+    return std::isalnum(letter) != 0 || letter >= 0x80 || plain.find(letter) != plain.npos;
+  });
+  if (is_plain) return word;
+  std::string quoted = "'";
+  for (const char letter : word) quoted += letter == '\'' ? "'\\''" : std::string(1, letter);
+  return quoted + "'";
 }
 
 }  // namespace chladni::show
