@@ -42,7 +42,4 @@ struct FirstChoices {
 [[nodiscard]] std::string first_study(const FirstChoices& choices,
                                       const std::filesystem::path& file);
 
-/// A word of a command line, in single quotes where a shell would take it apart.
-[[nodiscard]] std::string shell_word(const std::string& word);
-
 }  // namespace chladni::show

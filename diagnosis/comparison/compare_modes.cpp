@@ -7,9 +7,9 @@
 #include <numeric>
 
 #include "base/error.h"
-#include "base/turn.h"
 #include "diagnosis/compare.h"
 #include "diagnosis/constants.h"
+#include "modal/dashpot_ratio.h"
 #include "modal/groups.h"
 #include "modal/mac.h"
 #include "modal/pairing.h"
@@ -210,13 +210,6 @@ bool by_shape(const Likeness& like, const Indices& group, const modal::ModePair&
   return true;
 }
 
-// Its ratio with what the dashpots add to it alone.
-double damping_of(const modal::ReducedModel& model, Eigen::Index mode) {
-  const double omega = kTwoPi * model.frequency_hz(mode);
-  if (model.damper_count() == 0 || omega == 0.0) return model.damping_ratio(mode);
-  return model.damping_ratio(mode) + 0.5 * model.dampers.shapes.col(mode).squaredNorm() / omega;
-}
-
 ModeDifference difference(const modal::ReducedModel& simulated, const identification::ModalFit& fit,
                           Eigen::Index a, Eigen::Index b, double mac) {
   ModeDifference one;
@@ -227,7 +220,8 @@ ModeDifference difference(const modal::ReducedModel& simulated, const identifica
   one.measured_std_hz = fit.frequency_std_hz(b);
   one.change = one.measured_hz / one.simulated_hz - 1.0;
   one.change_std = one.measured_std_hz / one.simulated_hz;
-  one.simulated_damping = damping_of(simulated, a);
+  one.simulated_damping = simulated.damping_ratio(a);
+  if (one.simulated_hz > 0.0) one.simulated_damping += modal::dashpot_ratio(simulated, a);
   one.measured_damping = fit.model.damping_ratio(b);
   one.measured_damping_std = fit.damping_std(b);
   one.mac = mac;

@@ -145,12 +145,9 @@ class LayoutReader {
   }
 
   void take_part(const std::string& name, Part part, const std::string& word, Index column) {
-    if (const auto kind = kind_of_word(word)) {
-      if (*kind) layout_.kind = *kind;
-      put(only_pair(), part, column, name);
-      return;
-    }
-    put(pair_of(word, name), part, column, name);
+    const auto kind = kind_of_word(word);
+    if (kind && *kind) layout_.kind = *kind;
+    put(kind ? only_pair() : pair_of(word, name), part, column, name);
   }
 
   ChannelPair pair_of(const std::string& word, const std::string& name) const {

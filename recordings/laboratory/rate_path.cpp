@@ -39,6 +39,7 @@ std::array<double, 2> sinc(double s) {
 }
 
 constexpr std::size_t kMoments = 5;  // the last one for a bend of the fourth derivative
+using Moments = Eigen::Array<double, kMoments, 1>;
 
 // The filter's response to an impulse of area 1, s samples after it.
 struct Answer {
@@ -57,36 +58,29 @@ double slope_at(double s) {
 }
 
 // ∫ tⁿ k(t) dt for n = 0, 1, ... over a sample or less.
-std::array<double, kMoments> moments(double from, double to) {
-  std::array<double, kMoments> all = {};
+Moments moments(double from, double to) {
+  Moments all;
   for (std::size_t n = 0; n < kMoments; ++n) {
     const auto weighted = [n](double t) { return std::pow(t, n) * impulse_at(t); };
-    all[n] = integral_of(weighted, from, to);
+    all(static_cast<Eigen::Index>(n)) = integral_of(weighted, from, to);
   }
   return all;
 }
 
 // ∫ (s − t)ⁿ / n! k(t) dt by the moments of k.
-double iterated(double s, std::size_t n, const std::array<double, kMoments>& moment) {
+double iterated(double s, std::size_t n, const Moments& moment) {
   double sum = 0.0;
   double term = 1.0;  // of the binomial: n over i
   for (std::size_t i = 0; i <= n; ++i) {
-    sum += term * std::pow(s, n - i) * moment[i];
+    sum += term * std::pow(s, n - i) * moment(static_cast<Eigen::Index>(i));
     term *= -static_cast<double>(n - i) / static_cast<double>(i + 1);
   }
   return sum / std::tgamma(static_cast<double>(n) + 1.0);
 }
 
-std::array<double, kMoments> sum_of(const std::array<double, kMoments>& a,
-                                    const std::array<double, kMoments>& b) {
-  std::array<double, kMoments> sum = a;
-  for (std::size_t n = 0; n < kMoments; ++n) sum[n] += b[n];
-  return sum;
-}
-
-std::array<double, kMoments> all_moments() {
-  std::array<double, kMoments> sum = {};
-  for (double s = -kReach; s < kReach; s += 1.0) sum = sum_of(sum, moments(s, s + 1.0));
+Moments all_moments() {
+  Moments sum = Moments::Zero();
+  for (double s = -kReach; s < kReach; s += 1.0) sum += moments(s, s + 1.0);
   return sum;
 }
 
@@ -96,14 +90,14 @@ std::array<double, kMoments> all_moments() {
 std::vector<Answer> answers(double first, Eigen::Index count) {
   const auto all = all_moments();
   std::vector<Answer> result;
-  std::array<double, kMoments> passed = {};
+  Moments passed = Moments::Zero();
   double at = -kReach;
   for (Eigen::Index i = 0; i < count; ++i) {
     const double s = first + static_cast<double>(i);
     const double to = std::clamp(s, -kReach, kReach);
-    passed = sum_of(passed, moments(at, to));
+    passed += moments(at, to);
     at = to;
-    Answer one{slope_at(s), impulse_at(s), passed[0] / all[0], {}};
+    Answer one{slope_at(s), impulse_at(s), passed(0) / all(0), {}};
     for (std::size_t n = 1; n < kMoments; ++n) {
       one.bends[n - 1] = iterated(s, n, passed) - (s > 0.0 ? iterated(s, n, all) : 0.0);
     }

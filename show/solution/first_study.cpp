@@ -5,12 +5,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "base/error.h"
 #include "base/quantity.h"
 #include "host/folder.h"
+#include "host/shell_word.h"
 #include "mesh/site.h"
 #include "mesh/surface.h"
 #include "stage/faces.h"
@@ -249,17 +249,6 @@ std::string first_study(const FirstChoices& choices, const fs::path& file) {
   static_cast<void>(stage::places_of(whole, outline.shell));
   stage::require_faces(whole, outline.shell);
   return text;
-}
-
-std::string shell_word(const std::string& word) {
-  constexpr std::string_view plain = "._/-+=:,@%";
-  const bool is_plain = !word.empty() && std::ranges::all_of(word, [&](unsigned char letter) {
-    return std::isalnum(letter) != 0 || letter >= 0x80 || plain.find(letter) != plain.npos;
-  });
-  if (is_plain) return word;
-  std::string quoted = "'";
-  for (const char letter : word) quoted += letter == '\'' ? "'\\''" : std::string(1, letter);
-  return quoted + "'";
 }
 
 }  // namespace chladni::show

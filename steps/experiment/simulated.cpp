@@ -121,8 +121,8 @@ void note_modes(const study::ExperimentPlan& plan, double last, bool folds, Benc
   } else if (last > 0.0 && last < 2.0 * high) {
     bench.notes.push_back(fmt::format(
         "modes above {:.6g} Hz only yield statically in these responses, those of a diagnosis "
-        "move: "
-        "beside little noise it tells that; modes.up_to = \"{:.3g} Hz\" has them move here, too",
+        "move: beside little noise it tells that; modes.up_to = \"{:.3g} Hz\" has them move here, "
+        "too",
         last, 2.0 * high));
   }
 }

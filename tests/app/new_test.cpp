@@ -1,6 +1,6 @@
 // chladni new: what it writes is a study that chladni check accepts.
+#include "host/shell_word.h"
 #include "io/json.h"
-#include "show/first_study.h"
 #include "tests/app/program.h"
 
 namespace chladni::app {
@@ -49,9 +49,9 @@ class New : public CommandLine {
 
 // The command of a name with a blank was two words.
 TEST_F(New, NamesACommandThatAShellTakes) {
-  EXPECT_EQ(show::shell_word("a/b-1.toml"), "a/b-1.toml");
-  EXPECT_EQ(show::shell_word("it's"), "'it'\\''s'");
-  EXPECT_EQ(show::shell_word(""), "''");
+  EXPECT_EQ(shell_word("a/b-1.toml"), "a/b-1.toml");
+  EXPECT_EQ(shell_word("it's"), "'it'\\''s'");
+  EXPECT_EQ(shell_word(""), "''");
   const auto done = run({"new", "beam", "-o", "my beam.toml"});
   EXPECT_TRUE(says(done.out, "chladni check 'my beam.toml'")) << done.out << done.err;
   EXPECT_TRUE(says(text("my beam.toml"), "chladni modes 'my beam.toml'"));
