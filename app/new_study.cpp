@@ -13,6 +13,7 @@
 #include "base/interrupt.h"
 #include "base/quantity.h"
 #include "host/atomic_file.h"
+#include "host/shell_word.h"
 #include "show/first_study.h"
 #include "study/named_materials.h"
 
@@ -135,7 +136,7 @@ int new_study(const NewStudy& wanted, std::ostream& results) {
   ask_material(dialog, choices);
   const auto text = show::first_study(choices, file);
   write_atomically(file, text);
-  results << fmt::format("{}\nchladni check {}\n", file.string(), file.string());
+  results << fmt::format("{}\nchladni check {}\n", file.string(), shell_word(file.string()));
   return 0;
 }
 

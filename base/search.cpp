@@ -1,5 +1,6 @@
 #include "base/search.h"
 
+#include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/tools/minima.hpp>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
@@ -92,6 +93,10 @@ double root_in(const FunctionOfOne& f, double low, double high) {
   const auto [left, right] =
       boost::math::tools::toms748_solve(f, low, high, at_low, at_high, to_rounding, evaluations);
   return 0.5 * (left + right);
+}
+
+double integral_of(const FunctionOfOne& f, double from, double to) {
+  return boost::math::quadrature::gauss<double, 15>::integrate(f, from, to);
 }
 
 }  // namespace chladni

@@ -54,6 +54,16 @@ struct Constants : ModeConstants {
   double near_by_chance = 0.05;
   /// [1] Part of what model errors lost in ln likelihood that widens one number. Chosen: 1/200.
   double error_per_number = 0.005;
+  /// [1] Standard deviations of a number at which the misfit is looked at, to tell whether it rises
+  /// as a square. Chosen: what users take for the range of nearly all values.
+  double deviations_looked_at = 2.0;
+  /// [1] Looks at most, each further out than the last, where it rises less. Chosen.
+  int deviation_looks = 3;
+  /// [1] A deviation grows by this factor at most. Derived: a coordinate known by its square alone
+  /// reaches 0 within twice as far, or the square is known better than to two deviations.
+  double longest_deviation = 2.0;
+  /// [1] Iterations of the fit of all other numbers there. Chosen.
+  int steps_beside = 3;
   /// [z] A note says that the stated variances are too large below this excess. Chosen.
   double too_little = -4.0;
   /// [1] A note says that the structure is not linear above this share of the variance. Chosen.

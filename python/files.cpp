@@ -9,13 +9,18 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <limits>
 #include <optional>
+#include <utility>
 
 #include "base/error.h"
+#include "identification/delay.h"
 #include "io/frf_file.h"
 #include "io/measured_units.h"
 #include "io/time_file.h"
+#include "python/copies.h"
 #include "python/frf_arrays.h"
+#include "python/given.h"
 #include "python/long_call.h"
 #include "python/rooms.h"
 #include "recordings/frf_estimate.h"
@@ -64,57 +69,85 @@ void require_si(const std::string& unit, modal::FrfKind kind) {
 
 MeasuredChannel channel_with(const std::string& name, const std::string& quantity,
                              const std::string& unit,
-                             const std::optional<Eigen::Vector3d>& position,
-                             const std::optional<Eigen::Vector3d>& direction,
+                             const std::optional<Given<"position", Eigen::Vector3d>>& position,
+                             const std::optional<Given<"direction", Eigen::Vector3d>>& direction,
                              std::optional<long long> node) {
   require_si(unit, kind_called(quantity));
-  return {.name = name,
-          .node = node,
-          .direction = direction.value_or(Eigen::Vector3d::Zero()),
-          .position = position,
-          .unit = unit,
-          .kind = kind_called(quantity)};
+  MeasuredChannel channel{
+      .name = name, .node = node, .position = {}, .unit = unit, .kind = kind_called(quantity)};
+  if (position) channel.position = position->value;
+  if (direction) channel.direction = direction->value;
+  return channel;
 }
 
-// Channels, or names of such.
-std::vector<MeasuredChannel> channels_from(const py::list& given) {
+// Channels, or names of such, in anything that has some one after the other.
+std::vector<MeasuredChannel> channels_from(const py::object& given, const std::string& side) {
+  require(!py::isinstance<py::str>(given) && py::isinstance<py::iterable>(given),
+          side + " is " + shown(given) + "; expected a list of Channels or names");
   std::vector<MeasuredChannel> channels;
   for (const auto& one : given) {
-    if (py::isinstance<py::str>(one)) {
-      channels.push_back({.name = one.cast<std::string>()});
-    } else {
+    py::detail::make_caster<std::string> name;
+    if (py::isinstance<MeasuredChannel>(one)) {
       channels.push_back(one.cast<MeasuredChannel>());
+    } else if (py::isinstance<py::str>(one) && name.load(one, true)) {
+      channels.push_back({.name = py::detail::cast_op<std::string>(name)});
+    } else {
+      throw InvalidInput(side + " has " + shown(one) + "; expected a Channel or a name");
     }
   }
   return channels;
 }
 
-// @param given  complex numbers; magnitudes or decibels have no phase
-std::shared_ptr<FrfFile> frf_with(const Eigen::VectorXd& frequency_hz, const py::object& given,
-                                  const py::list& outputs, const py::list& inputs,
-                                  const std::optional<Numbers>& variance,
-                                  const std::optional<Numbers>& coherence, double averages) {
-  const auto value = Complexes::ensure(given);
-  require(static_cast<bool>(value), "value is no array of numbers");
+std::shared_ptr<FrfFile> responses_with(std::string format, modal::FrfSet set,
+                                        std::vector<std::string> notes) {
+  modal::check(set);
+  return std::make_shared<FrfFile>(FrfFile{std::move(format), std::move(set), std::move(notes)});
+}
+
+std::shared_ptr<FrfFile> frf_with(const Given<"frequency_hz", Eigen::VectorXd>& frequency_hz,
+                                  const py::object& given, const py::object& outputs,
+                                  const py::object& inputs,
+                                  const std::optional<Given<"variance", Numbers>>& variance,
+                                  const std::optional<Given<"coherence", Numbers>>& coherence,
+                                  double averages) {
+  const auto value = array_in<Complexes>(given, "value");
   modal::FrfSet set;
-  set.outputs = channels_from(outputs);
-  set.inputs = channels_from(inputs);
-  set.frequency_hz = frequency_hz;
+  set.outputs = channels_from(outputs, "outputs");
+  set.inputs = channels_from(inputs, "inputs");
+  set.frequency_hz = frequency_hz.value;
   const auto p = set.output_count();
   const auto q = set.input_count();
   set.value = matrices_of<Eigen::MatrixXcd>(value, "value", p, q);
-  if (variance) set.variance = matrices_of<Eigen::MatrixXd>(*variance, "variance", p, q);
-  if (coherence) set.coherence = matrices_of<Eigen::MatrixXd>(*coherence, "coherence", p, q);
+  if (variance) set.variance = matrices_of<Eigen::MatrixXd>(variance->value, "variance", p, q);
+  if (coherence) set.coherence = matrices_of<Eigen::MatrixXd>(coherence->value, "coherence", p, q);
   set.averages = averages;
-  modal::check(set);
-  require(py::array::ensure(given).dtype().kind() == 'c',
-          "value is real, without a phase; expected complex numbers (where the imaginary parts are "
-          "0: value.astype(complex))");
-  return std::make_shared<FrfFile>(FrfFile{"arrays", std::move(set), {}});
+  auto made = responses_with("arrays", std::move(set), {});
+  require_phase(given, "value");
+  return made;
 }
 
 std::shared_ptr<FrfFile> changed(const FrfFile& file, modal::FrfSet set) {
-  return std::make_shared<FrfFile>(FrfFile{file.format, std::move(set), file.notes});
+  return responses_with(file.format, std::move(set), file.notes);
+}
+
+// The responses of recordings.
+// @param inputs  what they are, as the key of [measurement] says it
+std::shared_ptr<FrfFile> estimated(const TimeFile& file, double low_hz, double high_hz,
+                                   const std::string& inputs) {
+  require(inputs == "commands" || inputs == "forces",
+          "inputs is \"" + inputs + "\"; expected \"commands\", which are held from sample to " +
+              "sample, or \"forces\", which were measured");
+  constexpr double kAll = std::numeric_limits<double>::infinity();
+  require_band(low_hz, high_hz == 0.0 ? kAll : high_hz);
+  const LongCall call;
+  auto found = recordings::frf_estimate(
+      file.data, {.drop = {}, .low_hz = low_hz, .high_hz = high_hz, .smooth_lines = {}});
+  if (inputs == "commands") {
+    found.set = identification::without_delay(found.set, 0.0, file.data.sample_time_s);
+    found.notes.emplace_back(
+        "the hold of the commands is taken off; inputs=\"forces\" leaves it in");
+  }
+  return responses_with(file.format, std::move(found.set), std::move(found.notes));
 }
 
 std::vector<Eigen::Index> rows_called(const std::vector<MeasuredChannel>& channels,
@@ -129,12 +162,6 @@ std::vector<Eigen::Index> rows_called(const std::vector<MeasuredChannel>& channe
     require(rows.back() >= 0, "there is no channel \"" + name + "\"");
   }
   return rows;
-}
-
-template <typename Array, typename Matrix>
-py::object array_or_none(const std::vector<Matrix>& lines, const modal::FrfSet& set) {
-  if (lines.empty()) return py::none();
-  return array_of<Array>(lines, set.output_count(), set.input_count());
 }
 
 std::shared_ptr<FrfFile> read_frf(const std::filesystem::path& file, const std::string& unit,
@@ -202,6 +229,8 @@ void add_channel(py::module_& module) {
           "unit vector, or None")
       .def_property_readonly("quantity",
                              [](const MeasuredChannel& one) { return quantity_of(one.kind); })
+      .def("_state", [](const MeasuredChannel& one) { return state_of(one); })
+      .def_static("_of_state", &channel_of)
       .def("__repr__", &channel_text);
 }
 
@@ -215,7 +244,10 @@ void add_frf_arrays(FrfClass& bound) {
       .def_property_readonly(
           "frequency_hz", [](const FrfFile& f) -> const auto& { return f.set.frequency_hz; })
       .def_property_readonly(
-          "value", [](const FrfFile& f) { return array_or_none<Complexes>(f.set.value, f.set); },
+          "value",
+          [](const FrfFile& f) {
+            return array_of<Complexes>(f.set.value, f.set.output_count(), f.set.input_count());
+          },
           "a copy, complex")
       .def_property_readonly(
           "variance",
@@ -246,6 +278,7 @@ void add_frf(py::module_& module) {
       .def(
           "band",
           [](const FrfFile& f, double low_hz, double high_hz) {
+            require_band(low_hz, high_hz);
             return changed(f, modal::band(f.set, low_hz, high_hz));
           },
           py::arg("low_hz"), py::arg("high_hz"))
@@ -258,6 +291,8 @@ void add_frf(py::module_& module) {
           },
           py::arg("outputs") = py::none(), py::arg("inputs") = py::none(),
           "Channels of these names, in this order.")
+      .def("_state", [](const FrfFile& f) { return state_of(f); })
+      .def_static("_of_state", &frf_of)
       .def("__repr__", &frf_text);
 }
 
@@ -289,18 +324,11 @@ void add_recordings(py::module_& module) {
           })
       .def_readonly("format", &TimeFile::format)
       .def_readonly("notes", &TimeFile::notes)
-      .def(
-          "frf",
-          [](const TimeFile& file, double low_hz, double high_hz) {
-            const LongCall call;
-            auto found = recordings::frf_estimate(
-                file.data, {.drop = {}, .low_hz = low_hz, .high_hz = high_hz, .smooth_lines = {}});
-            return std::make_shared<FrfFile>(
-                FrfFile{file.format, std::move(found.set), std::move(found.notes)});
-          },
-          py::arg("low_hz") = 0.0, py::arg("high_hz") = 0.0,
-          "Responses with variances, of a periodic excitation in open loop; high_hz 0: all "
-          "excited lines.");
+      .def("frf", &estimated, py::arg("low_hz") = 0.0, py::arg("high_hz") = 0.0, py::kw_only(),
+           py::arg("inputs") = "commands",
+           "Responses with variances, of a periodic excitation in open loop; high_hz 0: all "
+           "excited lines. inputs: \"commands\", whose hold from sample to sample is taken off, or "
+           "measured \"forces\".");
 }
 
 void add_functions(py::module_& module) {

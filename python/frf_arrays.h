@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "base/error.h"
+#include "modal/frf_set.h"
+#include "python/given.h"
 
 namespace chladni::python {
 
@@ -36,6 +38,13 @@ std::vector<Matrix> matrices_of(const Array& array, const std::string& what, Eig
   return matrices;
 }
 
+/// @throws InvalidInput  real numbers: magnitudes or decibels have no phase; `what` names the array
+inline void require_phase(pybind11::handle responses, const std::string& what) {
+  require(is_complex(responses),
+          what + " is real, without a phase; expected complex numbers (where the imaginary parts " +
+              "are 0: " + what + ".astype(complex))");
+}
+
 template <typename Array, typename Matrix>
 Array array_of(const std::vector<Matrix>& matrices, Eigen::Index rows, Eigen::Index columns) {
   Array array({std::ssize(matrices), rows, columns});
@@ -48,6 +57,13 @@ Array array_of(const std::vector<Matrix>& matrices, Eigen::Index rows, Eigen::In
     }
   }
   return array;
+}
+
+/// Lines of a set, or None where it has none of the kind.
+template <typename Array, typename Matrix>
+pybind11::object array_or_none(const std::vector<Matrix>& lines, const modal::FrfSet& set) {
+  if (lines.empty()) return pybind11::none();
+  return array_of<Array>(lines, set.output_count(), set.input_count());
 }
 
 }  // namespace chladni::python

@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "identification/response_field.h"
 #include "python/frf_arrays.h"
+#include "python/given.h"
 #include "python/long_call.h"
 #include "python/rooms.h"
 
@@ -35,28 +36,33 @@ std::vector<modal::MeasuredChannel> channels_at(const priors::Places& places,
   return channels;
 }
 
-modal::FrfSet frf_set(const Eigen::VectorXd& frequency_hz, const Complexes& responses,
+using Lines = Given<"frequency_hz", Eigen::VectorXd>;
+using Variance = std::optional<Given<"variance", Numbers>>;
+
+modal::FrfSet frf_set(const Lines& frequency_hz, const py::object& responses,
                       const priors::Places& outputs, const priors::Places& inputs,
-                      const std::optional<Numbers>& variance) {
+                      const Variance& variance) {
+  const auto value = array_in<Complexes>(responses, "responses");
   modal::FrfSet set;
   set.outputs = channels_at(outputs, "output ");
   set.inputs = channels_at(inputs, "input ");
-  set.frequency_hz = frequency_hz;
-  set.value =
-      matrices_of<Eigen::MatrixXcd>(responses, "responses", outputs.count(), inputs.count());
+  set.frequency_hz = frequency_hz.value;
+  set.value = matrices_of<Eigen::MatrixXcd>(value, "responses", outputs.count(), inputs.count());
   if (variance) {
     set.variance =
-        matrices_of<Eigen::MatrixXd>(*variance, "variance", outputs.count(), inputs.count());
+        matrices_of<Eigen::MatrixXd>(variance->value, "variance", outputs.count(), inputs.count());
   }
   modal::check(set);
+  require_phase(responses, "responses");
   return set;
 }
 
 py::tuple responses_at(const identification::ResponseField& field, const priors::Places& places,
-                       const Eigen::VectorXd& frequency_hz) {
+                       const Lines& frequency_hz) {
+  require_frequencies(frequency_hz.value);
   const auto found = [&] {
     const LongCall call;
-    return field.at(places, frequency_hz);
+    return field.at(places, frequency_hz.value);
   }();
   const auto inputs = field.fit().model.input_count();
   return py::make_tuple(array_of<Complexes>(found.value, places.count(), inputs),
@@ -78,10 +84,9 @@ void add_identification(py::module_& module) {
       });
   module.def(
       "response_field",
-      [](const Eigen::VectorXd& frequency_hz, const Complexes& responses,
-         const priors::Places& outputs, const priors::Places& inputs,
-         const priors::Simulation& simulation, const std::optional<Numbers>& variance,
-         int rigid_body_modes, const std::string& method) {
+      [](const Lines& frequency_hz, const py::object& responses, const priors::Places& outputs,
+         const priors::Places& inputs, const priors::Simulation& simulation,
+         const Variance& variance, int rigid_body_modes, const std::string& method) {
         const auto set = frf_set(frequency_hz, responses, outputs, inputs, variance);
         identification::ResponseFieldPlan plan;
         plan.fit.rigid_count = rigid_body_modes;

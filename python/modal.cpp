@@ -7,9 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "base/interrupt.h"
 #include "modal/control_model.h"
 #include "modal/mac.h"
+#include "python/copies.h"
 #include "python/frf_arrays.h"
+#include "python/given.h"
 #include "python/long_call.h"
 #include "python/rooms.h"
 
@@ -28,6 +31,34 @@ std::vector<std::string> units_in(const std::vector<modal::Signal>& signals) {
   std::vector<std::string> units;
   for (const auto& one : signals) units.push_back(one.unit);
   return units;
+}
+
+Complexes responses_on(const modal::ControlModel& model,
+                       const Given<"frequency_hz", Eigen::VectorXd>& frequency_hz) {
+  require_frequencies(frequency_hz.value);
+  std::vector<Eigen::MatrixXcd> values;
+  {
+    const LongCall call;
+    for (const double f : frequency_hz.value) {
+      throw_if_interrupted();
+      values.push_back(modal::response(model, f));
+    }
+  }
+  return array_of<Complexes>(values, model.space.c.rows(), model.space.b.cols());
+}
+
+template <typename Matrix>
+Eigen::MatrixXd mac_in(const py::object& a, const py::object& b) {
+  const auto of_a = array_in<Matrix>(a, "a");
+  const auto of_b = array_in<Matrix>(b, "b");
+  const LongCall call;
+  return modal::mac(of_a, of_b);
+}
+
+// Products of real shapes cost a quarter of those of complex ones.
+Eigen::MatrixXd mac_of(const py::object& a, const py::object& b) {
+  return is_complex(a) || is_complex(b) ? mac_in<Eigen::MatrixXcd>(a, b)
+                                        : mac_in<Eigen::MatrixXd>(a, b);
 }
 
 void add_state_space(py::module_& module) {
@@ -60,17 +91,10 @@ void add_state_space(py::module_& module) {
       .def_property_readonly(
           "output_delay", [](const ControlModel& m) -> const auto& { return m.output_delay; },
           "[s], or samples of a discrete model")
-      .def(
-          "frf",
-          [](const ControlModel& model, const Eigen::VectorXd& frequency_hz) {
-            std::vector<Eigen::MatrixXcd> values;
-            {
-              const LongCall call;
-              for (const double f : frequency_hz) values.push_back(modal::response(model, f));
-            }
-            return array_of<Complexes>(values, model.space.c.rows(), model.space.b.cols());
-          },
-          py::arg("frequency_hz"), "lines x outputs x inputs, delays included")
+      .def("frf", &responses_on, py::arg("frequency_hz"),
+           "lines x outputs x inputs, delays included")
+      .def("_state", [](const ControlModel& model) { return state_of(model); })
+      .def_static("_of_state", &control_model_of)
       .def("with_delay_states", &modal::with_delay_states,
            "The delays of a discrete model as states.");
 }
@@ -79,10 +103,8 @@ void add_state_space(py::module_& module) {
 
 void add_modal(py::module_& module) {
   add_state_space(module);
-  module.def(
-      "mac", [](const Eigen::MatrixXcd& a, const Eigen::MatrixXcd& b) { return modal::mac(a, b); },
-      py::arg("a"), py::arg("b"),
-      "Modal assurance criterion of the columns of a and b, real or complex; in [0, 1].");
+  module.def("mac", &mac_of, py::arg("a"), py::arg("b"),
+             "Modal assurance criterion of the columns of a and b, real or complex; in [0, 1].");
 }
 
 }  // namespace chladni::python

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "io/frf_file.h"
+#include "python/given.h"
 #include "python/modes_result.h"
 #include "python/rooms.h"
 #include "show/report.h"
@@ -42,7 +43,7 @@ py::tuple whole(const SparseMatrix& lower) {
 }
 
 std::shared_ptr<ModesResult> modes_of(const py::object& source, const py::object& progress,
-                                      std::optional<unsigned> seed, bool certificate,
+                                      std::optional<Seed> seed, bool certificate,
                                       const std::string& engine, double memory_limit_gb) {
   const auto subject = subject_of(source);
   PythonWork work(subject, {progress, seed, certificate, engine, memory_limit_gb});
@@ -50,20 +51,22 @@ std::shared_ptr<ModesResult> modes_of(const py::object& source, const py::object
   return std::make_shared<ModesResult>(subject.opened, work.said(), std::move(solution));
 }
 
-Eigen::MatrixXd values_at(const ModesResult& modes, const Points& points,
-                          const std::optional<Points>& direction) {
+Eigen::MatrixXd values_at(const ModesResult& modes, const Given<"points", Points>& points,
+                          const std::optional<Given<"direction", Points>>& direction) {
   const LongCall call;
-  const auto sites =
-      stage::sites_near(modes.finder(), points, stage::reach_of(modes.solution()->model.body));
-  return stage::shapes_at(sites, stage::directions_at(sites, direction), modes.solution()->modes);
+  const auto sites = stage::sites_near(modes.finder(), points.value,
+                                       stage::reach_of(modes.solution()->model.body));
+  return stage::shapes_at(sites, stage::directions_at(sites, value_of(direction)),
+                          modes.solution()->modes);
 }
 
 std::shared_ptr<io::FrfFile> responses_of(const ModesResult& modes,
-                                          const Eigen::VectorXd& frequency_hz,
+                                          const Given<"frequency_hz", Eigen::VectorXd>& lines,
                                           const py::object& progress) {
+  require_lines(lines.value);
   PythonWork work({modes.opened(), modes.solution()}, {.progress = progress});
   auto set = work.done(
-      [&] { return steps::simulated_responses(modes.study(), *modes.solution(), frequency_hz); });
+      [&] { return steps::simulated_responses(modes.study(), *modes.solution(), lines.value); });
   return std::make_shared<io::FrfFile>(io::FrfFile{"simulation", std::move(set), {}});
 }
 
@@ -105,7 +108,10 @@ void add_arrays(ModesClass& bound) {
       "m, fraction of critical; 0: not known");
   view(
       "shapes", [](const Solution& s) -> const auto& { return s.modes.shapes; },
-      "3 nodes x m [kg^-1/2], rows x0 y0 z0 x1 ..., mass-normalised");
+      "3 nodes x m [kg^-1/2], rows x0 y0 z0 x1 ..., mass-normalised with extra_shapes");
+  view(
+      "extra_shapes", [](const Solution& s) -> const auto& { return s.extra_shapes; },
+      "what attachments add x m: rows of free_dof after those of shapes");
   view(
       "residual", [](const Solution& s) -> const auto& { return s.summary.residual; },
       "m, relative");
@@ -114,7 +120,7 @@ void add_arrays(ModesClass& bound) {
       "m, relative: what the mesh leaves");
   view(
       "free_dof", [](const Solution& s) -> const auto& { return s.system->dofs.free_dof; },
-      "for x0 y0 z0 x1 ... and what attachments add: row of K and M, or -1 where it is held");
+      "for the rows of shapes, then of extra_shapes: row of K and M, or -1 where it is held");
   view(
       "mesh", [](const Solution& s) -> const auto& { return s.model.body; }, "the body");
 }
@@ -161,6 +167,9 @@ void solve(Subject& subject, stage::Work& work) {
 
 study::Study with_state_space(study::Study study, double sample_rate_hz, int states,
                               int pade_order) {
+  require_not_negative(sample_rate_hz, "sample_rate_hz");
+  require_not_negative(states, "states");
+  require_not_negative(pade_order, "pade_order");
   auto plan = study.state_space.value_or(study::StateSpacePlan{});
   if (sample_rate_hz > 0.0) plan.sample_rate_hz = sample_rate_hz;
   if (states > 0) plan.states = states;

@@ -11,6 +11,7 @@
 #include "host/descriptor.h"
 #include "host/parallel.h"
 #include "host/worker.h"
+#include "python/copies.h"
 #include "python/rooms.h"
 #include "show/version.h"
 
@@ -125,4 +126,5 @@ PYBIND11_MODULE(_chladni, module) {
   add_experiment_step(module);
   add_sweep(module);
   add_figure(module);
+  refuse_empty_objects(module);
 }

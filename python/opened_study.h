@@ -30,6 +30,7 @@ struct Subject {
 [[nodiscard]] Subject subject_of(const pybind11::object& given);
 
 /// The study with another [state_space], where a number is above 0.
+/// @throws InvalidInput  a number below 0, or not finite
 [[nodiscard]] study::Study with_state_space(study::Study study, double sample_rate_hz, int states,
                                             int pade_order);
 

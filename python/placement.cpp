@@ -10,14 +10,19 @@
 #include "base/error.h"
 #include "placement/best_layouts.h"
 #include "placement/best_pairs.h"
+#include "placement/criteria.h"
+#include "python/given.h"
 #include "python/long_call.h"
 #include "python/rooms.h"
+#include "python/seed.h"
 
 namespace chladni::python {
 namespace {
 
 namespace py = pybind11;
 using placement::Plan;
+
+constexpr int kMostPairs = 100;  // as in a study
 
 // Sites of arrays; without slopes they say nothing of an error of the position.
 struct ArraySites : placement::Sites {
@@ -31,41 +36,81 @@ void require_slopes(const ArraySites& sites, const Plan& plan) {
                       plan.position_error));
 }
 
-ArraySites surface_sites(const Points& position, const Eigen::VectorXd& area,
-                         const Eigen::MatrixXd& shapes,
-                         const std::optional<Eigen::MatrixXd>& slopes) {
+// As the keys of [placement] are refused.
+void require_meant(const Plan& plan) {
+  static_cast<void>(placement::criterion(plan.criterion));
+  require(plan.up_to_hz >= 0.0,
+          fmt::format("plan.up_to_hz is {:g}; expected 0 or more", plan.up_to_hz));
+  require_not_negative(plan.frequency_tolerance, "plan.frequency_tolerance");
+  require_positive(plan.noise, "plan.noise");
+  require_not_negative(plan.position_error, "plan.position_error");
+  require_not_negative(plan.spacing, "plan.spacing");
+  require(plan.pairs >= 1 && plan.pairs <= kMostPairs,
+          fmt::format("plan.pairs is {}; expected 1 to {}", plan.pairs, kMostPairs));
+  require_not_negative(plan.sites, "plan.sites");
+}
+
+using Position = Given<"position", Points>;
+using Direction = Given<"direction", Points>;
+using Shapes = Given<"shapes", Eigen::MatrixXd>;
+
+ArraySites surface_sites(const Position& position, const Given<"area", Eigen::VectorXd>& area,
+                         const Shapes& shapes,
+                         const std::optional<Given<"slopes", Eigen::MatrixXd>>& slopes) {
+  const auto count = position.value.rows();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    require(position.value.row(i).allFinite(),
+            fmt::format("the position of place {} is not finite; expected x, y and z [m]", i));
+  }
+  for (Eigen::Index i = 0; i < area.value.size(); ++i) {
+    require_not_negative(area.value(i), fmt::format("the area of place {}", i));
+  }
   ArraySites sites;
-  sites.position = position;
-  sites.normal = Points::Zero(position.rows(), 3);
-  sites.patch = Eigen::VectorXi::Zero(position.rows());
-  sites.area = area;
-  sites.shapes = shapes;
+  sites.position = position.value;
+  sites.normal = Points::Zero(count, 3);
+  sites.patch = Eigen::VectorXi::Zero(count);
+  sites.area = area.value;
+  sites.shapes = shapes.value;
   sites.has_slopes = slopes.has_value();
-  sites.slopes = slopes.value_or(Eigen::MatrixXd::Zero(shapes.rows(), shapes.cols()));
-  sites.whole.assign(static_cast<std::size_t>(position.rows()), 1);
+  sites.slopes =
+      value_of(slopes).value_or(Eigen::MatrixXd::Zero(shapes.value.rows(), shapes.value.cols()));
+  sites.whole.assign(static_cast<std::size_t>(count), 1);
   return sites;
 }
 
-placement::Channels channel_rows(const Points& position, const Points& direction,
-                                 const Eigen::MatrixXd& shapes, const std::vector<bool>& stays) {
-  placement::Channels channels{{position, direction}, shapes, {}};
+placement::Channels channel_rows(const Position& position, const Direction& direction,
+                                 const Shapes& shapes, const std::vector<bool>& stays) {
+  placement::Channels channels{{position.value, direction.value}, shapes.value, {}};
   for (const bool stay : stays) channels.stays.push_back(stay ? 1 : 0);
   return channels;
 }
 
-placement::Structure structure_with(const Eigen::VectorXd& frequency_hz, double mass_kg,
-                                    double size, const std::optional<Eigen::VectorXd>& damping,
-                                    const placement::Channels& sensors,
-                                    const placement::Channels& actuators) {
+placement::Structure structure_with(
+    const Given<"frequency_hz", Eigen::VectorXd>& frequency_hz, double mass_kg, double size,
+    const std::optional<Given<"damping_ratio", Eigen::VectorXd>>& damping,
+    const placement::Channels& sensors, const placement::Channels& actuators) {
+  const auto& f = frequency_hz.value;
+  require_frequencies(f);
+  require_positive(mass_kg, "mass_kg");
+  require_positive(size, "size");
   placement::Structure structure;
-  structure.frequency_hz = frequency_hz;
-  structure.damping_ratio = damping.value_or(Eigen::VectorXd::Zero(frequency_hz.size()));
-  structure.rigid_count = (frequency_hz.array() == 0.0).count();
+  structure.frequency_hz = f;
+  structure.damping_ratio = value_of(damping).value_or(Eigen::VectorXd::Zero(f.size()));
+  for (const double zeta : structure.damping_ratio) {
+    require(std::isfinite(zeta) && zeta >= 0.0,
+            fmt::format("damping_ratio has {:g}; expected 0 or more", zeta));
+  }
+  structure.rigid_count = (f.array() == 0.0).count();
   structure.mass_kg = mass_kg;
   structure.size = size;
   structure.sensors = sensors;
   structure.actuators = actuators;
   return structure;
+}
+
+void require_sound(const ArraySites& surface, const Plan& plan) {
+  require_meant(plan);
+  require_slopes(surface, plan);
 }
 
 placement::WantedModes wanted(const placement::Structure& structure, const ArraySites& surface,
@@ -76,7 +121,7 @@ placement::WantedModes wanted(const placement::Structure& structure, const Array
 
 std::vector<placement::BestPair> best_pairs(const placement::Structure& structure,
                                             const ArraySites& surface, const Plan& plan) {
-  require_slopes(surface, plan);
+  require_sound(surface, plan);
   const LongCall call;
   const placement::PairViews views(structure, surface, wanted(structure, surface, plan), plan);
   const auto places = placement::best_pairs(views, surface, {surface, true}, plan, nullptr, {});
@@ -85,20 +130,31 @@ std::vector<placement::BestPair> best_pairs(const placement::Structure& structur
 
 std::vector<placement::Optimum> best_layouts(const placement::Structure& structure,
                                              const ArraySites& surface, const Plan& plan,
-                                             unsigned seed) {
+                                             Seed seed) {
+  require_sound(surface, plan);
   const LongCall call;
   return placement::best_layouts(structure, surface, {surface, true},
-                                 wanted(structure, surface, plan), plan, seed);
+                                 wanted(structure, surface, plan), plan, seed.value);
+}
+
+std::vector<std::size_t> indices_of(const std::vector<long long>& given) {
+  std::vector<std::size_t> indices;
+  for (const auto index : given) {
+    require(index >= 0,
+            fmt::format("channel {} of a layout does not exist; expected 0 or more", index));
+    indices.push_back(static_cast<std::size_t>(index));
+  }
+  return indices;
 }
 
 py::dict layout_score(const placement::Structure& structure, const ArraySites& surface,
-                      const Plan& plan, const std::vector<std::size_t>& sensors,
-                      const std::vector<std::size_t>& actuators) {
-  require_slopes(surface, plan);
+                      const Plan& plan, const std::vector<long long>& sensors,
+                      const std::vector<long long>& actuators) {
+  require_sound(surface, plan);
   const auto score = [&] {
     const LongCall call;
     return placement::LayoutScorer(structure, surface, wanted(structure, surface, plan), plan)
-        .of_channels(sensors, actuators);
+        .of_channels(indices_of(sensors), indices_of(actuators));
   }();
   py::dict scores;
   const auto criteria = placement::layout_criteria();

@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include "priors/interpolator.h"
+#include "python/given.h"
 #include "python/long_call.h"
 #include "python/rooms.h"
 
@@ -12,9 +13,27 @@ namespace {
 
 namespace py = pybind11;
 
-priors::Places places(const Points& position, const Points& direction,
-                      const Eigen::MatrixXd& shapes) {
-  return {position, direction, shapes};
+priors::Places places(const Given<"position", Points>& position,
+                      const Given<"direction", Points>& direction,
+                      const Given<"shapes", Eigen::MatrixXd>& shapes) {
+  return {position.value, direction.value, shapes.value};
+}
+
+priors::Simulation simulation_with(const Given<"frequency_hz", Eigen::VectorXd>& frequency_hz,
+                                   const priors::Places& surface,
+                                   const Given<"area", Eigen::VectorXd>& area) {
+  priors::Simulation simulation;
+  simulation.frequency_hz = frequency_hz.value;
+  simulation.surface = surface;
+  simulation.area = area.value;
+  return simulation;
+}
+
+priors::MeasuredShapes measured_with(const priors::Places& places,
+                                     const Given<"frequency_hz", Eigen::VectorXd>& frequency_hz,
+                                     const Given<"values", Eigen::MatrixXd>& values,
+                                     const Given<"noise", Eigen::MatrixXd>& noise) {
+  return {places, frequency_hz.value, values.value, noise.value};
 }
 
 void add_data(py::module_& module) {
@@ -27,20 +46,11 @@ void add_data(py::module_& module) {
       .def_readwrite("shapes", &priors::Places::shapes)
       .def("__len__", &priors::Places::count);
   py::class_<priors::Simulation>(module, "Simulation", "what the simulation says of the surface")
-      .def(py::init([](const Eigen::VectorXd& frequency_hz, const priors::Places& surface,
-                       const Eigen::VectorXd& area) {
-             priors::Simulation simulation;
-             simulation.frequency_hz = frequency_hz;
-             simulation.surface = surface;
-             simulation.area = area;
-             return simulation;
-           }),
-           py::arg("frequency_hz"), py::arg("surface"), py::arg("area"),
+      .def(py::init(&simulation_with), py::arg("frequency_hz"), py::arg("surface"), py::arg("area"),
            "frequency_hz r (rigid-body modes 0), surface N places, area N [m^2]");
   py::class_<priors::MeasuredShapes>(module, "MeasuredShapes", "m shapes at s places")
-      .def(py::init<priors::Places, Eigen::VectorXd, Eigen::MatrixXd, Eigen::MatrixXd>(),
-           py::arg("places"), py::arg("frequency_hz"), py::arg("values"), py::arg("noise"),
-           "frequency_hz m, values s x m, noise s x m (standard deviations)");
+      .def(py::init(&measured_with), py::arg("places"), py::arg("frequency_hz"), py::arg("values"),
+           py::arg("noise"), "frequency_hz m, values s x m, noise s x m (standard deviations)");
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace py = pybind11;
 
 stage::WorkOptions options_of(const Subject& subject, const Asked& asked) {
   stage::WorkOptions options;
-  options.seed = asked.seed.value_or(subject.study().seed.value_or(1));
+  options.seed = asked.seed.value_or(Seed{subject.study().seed.value_or(1)}).value;
   options.certificate = asked.certificate;
   options.engine = asked.engine;
   options.memory_limit_bytes = bytes_of_gigabytes(asked.memory_limit_gb);

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "python/long_call.h"
 #include "python/opened_study.h"
+#include "python/seed.h"
 #include "stage/work.h"
 
 namespace chladni::python {
@@ -26,8 +27,8 @@ struct Said {
 
 /// What a function of Python gives to a step beside the study.
 struct Asked {
-  pybind11::object progress;     ///< None, False, or a function of a text and a number
-  std::optional<unsigned> seed;  ///< none: that of the study, or 1
+  pybind11::object progress;  ///< None, False, or a function of a text and a number
+  std::optional<Seed> seed;   ///< none: that of the study, or 1
   bool certificate = true;
   std::string engine;
   double memory_limit_gb = 0.0;

@@ -26,10 +26,10 @@ std::filesystem::path absolute_path(const py::object& given) {
   return py::module_::import("os").attr("fspath")(given).cast<std::filesystem::path>();
 }
 
-// From a file, or from a dict with the structure of one.
+// From a file, or from a dict (or another mapping) with the structure of one.
 std::shared_ptr<OpenedStudy> opened(const py::object& source, const py::object& folder,
                                     const std::string& name, const Folders& allowed) {
-  if (!py::isinstance<py::dict>(source)) {
+  if (!py::isinstance(source, py::module_::import("collections.abc").attr("Mapping"))) {
     require(folder.is_none() && name.empty(),
             "folder and name are for a study from a dict; one from a file has its own");
     return std::make_shared<OpenedStudy>(

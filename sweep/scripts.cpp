@@ -4,20 +4,14 @@
 
 #include <algorithm>
 
+#include "host/shell_word.h"
+
 namespace chladni::sweep {
 namespace {
 
 // A word of the shell, whatever is in it.
 std::string quoted(const std::filesystem::path& path) {
-  std::string text = "'";
-  for (const char c : std::filesystem::absolute(path).lexically_normal().string()) {
-    if (c == '\'') {
-      text += "'\\''";
-    } else {
-      text += c;
-    }
-  }
-  return text + "'";
+  return shell_quoted(std::filesystem::absolute(path).lexically_normal().string());
 }
 
 std::string command(const ScriptPlan& plan, const std::string& share) {

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "diagnosis/compare.h"
 #include "diagnosis/constants.h"
+#include "modal/dashpot_ratio.h"
 #include "modal/groups.h"
 #include "modal/mac.h"
 #include "modal/pairing.h"
@@ -220,6 +221,7 @@ ModeDifference difference(const modal::ReducedModel& simulated, const identifica
   one.change = one.measured_hz / one.simulated_hz - 1.0;
   one.change_std = one.measured_std_hz / one.simulated_hz;
   one.simulated_damping = simulated.damping_ratio(a);
+  if (one.simulated_hz > 0.0) one.simulated_damping += modal::dashpot_ratio(simulated, a);
   one.measured_damping = fit.model.damping_ratio(b);
   one.measured_damping_std = fit.damping_std(b);
   one.mac = mac;

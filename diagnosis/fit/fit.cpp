@@ -252,6 +252,7 @@ Fit fitted(const Problem& problem, const Fit& start, const FitLimits& limits) {
   for (; iteration < limits.iterations && !here.fit.converged && !hopeless; ++iteration) {
     const double before = here.fit.objective;
     quadratic = quadratic_at(problem, here, columns);
+    if (limits.held) quadratic = quadratic.held({*limits.held});
     const bool moved = descended(problem, columns, limits.tolerance, quadratic, here, lambda);
     const double fall = before - here.fit.objective;
     is_here = fall < kConstants.small_fall;

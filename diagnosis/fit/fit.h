@@ -73,6 +73,9 @@ struct FitLimits {
   /// The fit stops if the remaining iterations, each as good as the last, cannot reach this
   /// objective.
   double bar = HUGE_VAL;
+  /// This coordinate, numbered as in Fit::covariance, stays as it is. Evidence and covariance are
+  /// then not those of a mode.
+  std::optional<Eigen::Index> held = std::nullopt;
 };
 
 /// Minimum of the objective by Levenberg and Marquardt in all coordinates, with slopes from

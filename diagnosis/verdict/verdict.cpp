@@ -14,6 +14,7 @@
 #include "diagnosis/search/simpler.h"
 #include "diagnosis/verdict/cause_of.h"
 #include "diagnosis/verdict/counterparts.h"
+#include "diagnosis/verdict/told_deviations.h"
 
 namespace chladni::diagnosis {
 namespace {
@@ -36,14 +37,6 @@ Explanation explanation_of(const Problem& problem, const Found& found, const Fit
   return explanation;
 }
 
-// True for a number that another mesh or solver finds otherwise. A place, an offset of a channel
-// and a frequency are not, because a pole shows its frequency directly.
-bool is_a_size(const CauseParameter& parameter) {
-  using Role = Parameter::Role;
-  return parameter.role == Role::strength || parameter.role == Role::extent ||
-         parameter.role == Role::shape;
-}
-
 bool same_name(const Cause& a, const Cause& b) {
   return a.effect == b.effect && a.channels == b.channels && a.option == b.option;
 }
@@ -62,24 +55,6 @@ bool nested(const Explanation& simple, const Explanation& other) {
   if (!found || simple.causes.size() == other.causes.size()) return found.has_value();
   return std::ranges::equal(simple.causes, *found,
                             [](const Cause& a, const Cause* b) { return same_name(a, *b); });
-}
-
-// Widens the standard deviations by the errors of the causes. These errors cost `lost` in ln
-// likelihood, so their squared length in whitened data is 2 lost. It is spread over the independent
-// directions of the data (modes times channels), so any one number gets a small part of it. The
-// error of mesh or solver acts on all sizes of a cause together.
-void widen_deviations(const Problem& problem, Explanation& explanation) {
-  const double lost = lost_by(explanation.error_excess, problem.observed.number_count());
-  const double wider = std::sqrt(1.0 + kConstants.error_per_number * lost);
-  for (auto& cause : explanation.causes) {
-    const bool by_shapes = effect(cause.effect).error > 0.0;
-    for (auto& parameter : cause.parameters) {
-      const double solver = by_shapes && is_a_size(parameter)
-                                ? problem.solver_error * std::abs(parameter.value)
-                                : 0.0;
-      parameter.std = std::hypot(parameter.std * wider, solver);
-    }
-  }
 }
 
 // Part of the general effect's gain that the simpler effect may leave.
@@ -319,7 +294,7 @@ std::vector<Explanation> explanations(const Problem& problem, const Found& found
   std::erase_if(explanations, [&](const Explanation& other) {
     return &other != &explanations.front() && nested(explanations.front(), other);
   });
-  widen_deviations(problem, explanations.front());
+  widen_deviations(problem, found.fits[explanations.front().fit], explanations.front());
   share_probability(problem, found, explanations);
   return explanations;
 }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/turn.h"
+#include "modal/dashpot_ratio.h"
 #include "modal/frf.h"
 
 namespace chladni::identification {
@@ -95,10 +95,9 @@ ModalFit expected_fit(const modal::ReducedModel& model, const Eigen::VectorXd& l
 
 modal::ReducedModel with_dashpots_as_ratios(const modal::ReducedModel& model) {
   modal::ReducedModel result = model;
-  if (model.damper_count() == 0) return result;  // their shapes may be of no mode then
+  if (model.damper_count() == 0) return result;
   for (Eigen::Index k = model.rigid_count; k < model.mode_count(); ++k) {
-    result.damping_ratio(k) +=
-        model.dampers.shapes.col(k).squaredNorm() / (2.0 * kTwoPi * model.frequency_hz(k));
+    result.damping_ratio(k) += modal::dashpot_ratio(model, k);
   }
   result.dampers = {};
   return result;

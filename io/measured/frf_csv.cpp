@@ -145,13 +145,14 @@ class LayoutReader {
   }
 
   void take_part(const std::string& name, Part part, const std::string& word, Index column) {
-    if (const auto kind = kind_of_word(word)) {
-      if (*kind) layout_.kind = *kind;
-      put(only_pair(), part, column, name);
-      return;
-    }
+    const auto kind = kind_of_word(word);
+    if (kind && *kind) layout_.kind = *kind;
+    put(kind ? only_pair() : pair_of(word, name), part, column, name);
+  }
+
+  ChannelPair pair_of(const std::string& word, const std::string& name) const {
     try {
-      put(channel_pair(word, options_.sensor_names, options_.actuator_names), part, column, name);
+      return channel_pair(word, options_.sensor_names, options_.actuator_names);
     } catch (const InvalidInput& e) {
       fail("column " + shown(name) + ": " + e.what());
     }
@@ -181,7 +182,9 @@ class LayoutReader {
     if (!table_.units.empty()) unit_ = response_unit(table_, column_);
     const auto [of_output, is_first] = layout_.unit_of.emplace(pair.first, unit_);
     if (of_output->second == unit_) return;
-    fail("column " + shown(name) + " has another unit than others of " + pair.first);
+    const auto said = [](const std::string& unit) { return unit.empty() ? "none" : shown(unit); };
+    fail("column " + shown(name) + " has another unit than others of " + pair.first + ": " +
+         said(unit_) + " beside " + said(of_output->second));
   }
 
   void require_whole() const {

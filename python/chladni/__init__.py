@@ -18,6 +18,7 @@ from ._chladni import (BestLayout, BestPair, Channel, Channels, ChladniWarning, 
                        sweep, thread_count, write_frf, write_time)
 from ._progress import Bar
 from ._results import Cause, Experiment, Quantity, Sparse, simulate, to_pandas
+from . import _copies
 
 __all__ = [name for name in dir() if not name.startswith("_")] + ["__version__"]
 

@@ -19,9 +19,25 @@ def _optional(name, package, purpose):
                           f"{fault}; pip install {package}") from None
 
 
+# ---- equality
+
+def _same(one, other):
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return np.array_equal(one, other)
+    return one == other
+
+
+def _equal(self, other):
+    """Field by field, arrays as a whole."""
+    if type(other) is not type(self):
+        return NotImplemented
+    return all(_same(getattr(self, field.name), getattr(other, field.name))
+               for field in dataclasses.fields(self))
+
+
 # ---- sparse matrices
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False)
 class Sparse:
     """A square symmetric matrix in compressed columns, where there is no SciPy. All of it is stored:
     column j has data[indptr[j]:indptr[j + 1]] in the rows indices[indptr[j]:indptr[j + 1]]."""
@@ -29,6 +45,11 @@ class Sparse:
     indices: np.ndarray
     indptr: np.ndarray
     shape: tuple
+
+    __eq__ = _equal
+
+    def __hash__(self):
+        return hash((self.shape, len(self.data)))
 
 
 def _sparse(arrays):
@@ -85,7 +106,7 @@ class Quantity:
         return f"{self.value:.6g} +- {self.std:.2g}{unit}"
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False)
 class Cause:
     """Something that the simulation gets wrong."""
     effect: str
@@ -96,6 +117,11 @@ class Cause:
     probability: float
     log_evidence_gain: float
     share: float  # part of the excess misfit that it removes
+
+    __eq__ = _equal
+
+    def __hash__(self):
+        return hash((self.effect, self.option, self.probability))
 
     def __str__(self):
         numbers = ", ".join(f"{name} {one}" for name, one in self.parameters.items())

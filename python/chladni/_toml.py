@@ -1,9 +1,12 @@
 """A dict with the structure of a study as TOML."""
+import collections.abc
 import json
 import math
 import numbers
 import os
 import re
+
+from ._chladni import InvalidInput
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
@@ -11,10 +14,15 @@ _BARE = re.compile(r"[A-Za-z0-9_-]+")
 def _key(key):
     if not isinstance(key, str):
         raise TypeError(f"a key of a study is text, found {key!r}")
-    return key if _BARE.fullmatch(key) else _text(key)
+    return key if _BARE.fullmatch(key) else _text(key, "a key")
 
 
-def _text(text):
+def _text(text, where):
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise InvalidInput(f"{where} is {text!r}, which has half of a surrogate pair; expected text") \
+            from None
     # The escapes of JSON are escapes of TOML, where no surrogate occurs.
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
@@ -32,8 +40,8 @@ def _value(value, where):
             return "nan"
         return repr(number) if math.isfinite(number) else ("inf" if number > 0 else "-inf")
     if isinstance(value, (str, os.PathLike)):
-        return _text(os.fspath(value))
-    if isinstance(value, dict):
+        return _text(os.fspath(value), where)
+    if isinstance(value, collections.abc.Mapping):
         return "{ " + ", ".join(_members(value, where)) + " }" if value else "{}"
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(_value(v, f"{where}[{i}]") for i, v in enumerate(value)) + "]"
@@ -49,7 +57,8 @@ def toml_text(study):
     """The TOML text: a line for each key of the study, and for each element of a list of dicts."""
     lines = []
     for key, value in study.items():
-        if isinstance(value, (list, tuple)) and value and all(isinstance(v, dict) for v in value):
+        if isinstance(value, (list, tuple)) and value and all(
+                isinstance(v, collections.abc.Mapping) for v in value):
             elements = (f"  {_value(v, f'{key}[{i}]')}," for i, v in enumerate(value))
             lines += [f"{_key(key)} = [", *elements, "]"]
         else:

@@ -30,7 +30,7 @@ class ComparisonResult : public Result {
 };
 
 std::shared_ptr<ComparisonResult> compare(const py::object& source, const py::object& progress,
-                                          std::optional<unsigned> seed) {
+                                          std::optional<Seed> seed) {
   const auto subject = subject_of(source);
   PythonWork work(subject, {progress, seed});
   auto found = work.done([&] { return steps::compared(subject.study(), work); });

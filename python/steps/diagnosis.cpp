@@ -63,7 +63,7 @@ class SpecimensResult : public Result {
 };
 
 py::object diagnose(const py::object& source, const py::object& progress,
-                    std::optional<unsigned> seed) {
+                    std::optional<Seed> seed) {
   const auto subject = subject_of(source);
   PythonWork work(subject, {progress, seed});
   if (!subject.study().specimens.empty()) {

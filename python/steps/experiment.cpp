@@ -29,7 +29,7 @@ class DesignedResult : public ResultOfModes<steps::DesignedExperiment> {
 
 std::shared_ptr<DesignedResult> design_experiment(const py::object& source,
                                                   const py::object& progress,
-                                                  std::optional<unsigned> seed) {
+                                                  std::optional<Seed> seed) {
   return made_by<DesignedResult>(source, {progress, seed}, steps::designed, steps::require_design);
 }
 

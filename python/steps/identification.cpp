@@ -11,6 +11,7 @@
 #include "io/frf_file.h"
 #include "io/time_file.h"
 #include "python/frf_arrays.h"
+#include "python/given.h"
 #include "python/modes_result.h"
 #include "python/rooms.h"
 #include "show/control_models.h"
@@ -84,7 +85,7 @@ class StudyField : public Result {
 };
 
 std::shared_ptr<IdentifiedResult> identify(const py::object& source, const py::object& progress,
-                                           std::optional<unsigned> seed) {
+                                           std::optional<Seed> seed) {
   const auto subject = subject_of(source);
   PythonWork work(subject, {progress, seed});
   auto model = work.done([&] {
@@ -98,7 +99,7 @@ std::shared_ptr<IdentifiedResult> identify(const py::object& source, const py::o
 
 std::shared_ptr<StudyField> interpolate(const py::object& source,
                                         const std::optional<std::filesystem::path>& folder,
-                                        const py::object& progress, std::optional<unsigned> seed) {
+                                        const py::object& progress, std::optional<Seed> seed) {
   auto subject = subject_of(source);
   PythonWork work(subject, {progress, seed});
   auto found = work.done([&] {
@@ -112,8 +113,7 @@ std::shared_ptr<StudyField> interpolate(const py::object& source,
 }
 
 // The responses and the recordings of a virtual experiment.
-py::tuple simulate(const py::object& source, const py::object& progress,
-                   std::optional<unsigned> seed) {
+py::tuple simulate(const py::object& source, const py::object& progress, std::optional<Seed> seed) {
   const auto subject = subject_of(source);
   require(subject.study().experiment.has_value(),
           "the study has no [experiment]; expected one, such as [experiment] noise = \"2 nm\"");
@@ -137,11 +137,16 @@ py::tuple simulate(const py::object& source, const py::object& progress,
                         recordings);
 }
 
+using Lines = Given<"frequency_hz", Eigen::VectorXd>;
+using GivenPoints = Given<"points", Points>;
+using Direction = std::optional<Given<"direction", Points>>;
+
 std::shared_ptr<io::FrfFile> fitted_responses(const IdentifiedResult& one,
-                                              const Eigen::VectorXd& frequency_hz) {
+                                              const Lines& frequency_hz) {
+  require_lines(frequency_hz.value);
   const LongCall call;
   return std::make_shared<io::FrfFile>(
-      io::FrfFile{"modal model", steps::fitted_responses(one.model(), frequency_hz), {}});
+      io::FrfFile{"modal model", steps::fitted_responses(one.model(), frequency_hz.value), {}});
 }
 
 modal::ControlModel fitted_state_space(const IdentifiedResult& one, double sample_rate_hz,
@@ -155,26 +160,28 @@ modal::ControlModel fitted_state_space(const IdentifiedResult& one, double sampl
   return sample_rate_hz > 0.0 ? *models.discrete : models.continuous;
 }
 
-py::tuple shapes_near(const StudyField& field, const Points& points,
-                      const std::optional<Points>& direction, const std::string& method) {
+py::tuple shapes_near(const StudyField& field, const GivenPoints& points,
+                      const Direction& direction, const std::string& method) {
   auto found = [&] {
     const LongCall call;
-    return steps::field_at(field.by(method), field.places_near(points, direction));
+    return steps::field_at(field.by(method), field.places_near(points.value, value_of(direction)));
   }();
   return py::make_tuple(std::move(found.mean), std::move(found.deviation));
 }
 
-py::tuple responses_near(const StudyField& field, const Points& points,
-                         const Eigen::VectorXd& frequency_hz,
-                         const std::optional<Points>& direction, const std::string& method) {
+py::tuple responses_near(const StudyField& field, const GivenPoints& points,
+                         const Lines& frequency_hz, const Direction& direction,
+                         const std::string& method) {
+  require_frequencies(frequency_hz.value);
   const auto found = [&] {
     const LongCall call;
     return steps::responses_at(field.found(), field.by(method),
-                               field.places_near(points, direction), frequency_hz);
+                               field.places_near(points.value, value_of(direction)),
+                               frequency_hz.value);
   }();
   const auto inputs = steps::identified_of(field.found()).found.fit.model.input_count();
-  return py::make_tuple(array_of<Complexes>(found.value, points.rows(), inputs),
-                        array_of<Numbers>(found.deviation, points.rows(), inputs));
+  return py::make_tuple(array_of<Complexes>(found.value, points.value.rows(), inputs),
+                        array_of<Numbers>(found.deviation, points.value.rows(), inputs));
 }
 
 py::object identified_in(const StudyField& field) {

@@ -3,6 +3,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "python/given.h"
 #include "python/result_of_modes.h"
 #include "python/rooms.h"
 #include "show/observer.h"
@@ -25,7 +26,7 @@ class ObserverResult : public ResultOfModes<steps::Observed> {
 };
 
 std::shared_ptr<ObserverResult> observe(const py::object& source, const py::object& progress,
-                                        std::optional<unsigned> seed) {
+                                        std::optional<Seed> seed) {
   auto made =
       made_by<ObserverResult>(source, {progress, seed}, steps::observed, steps::require_observer);
   const auto& judgement = steps::identified_of(*made->observer().shapes).judgement;
@@ -33,11 +34,11 @@ std::shared_ptr<ObserverResult> observe(const py::object& source, const py::obje
   return made;
 }
 
-py::tuple estimate_of(const ObserverResult& one, const Eigen::MatrixXd& inputs,
-                      const Eigen::MatrixXd& sensors) {
+py::tuple estimate_of(const ObserverResult& one, const Given<"inputs", Eigen::MatrixXd>& inputs,
+                      const Given<"sensors", Eigen::MatrixXd>& sensors) {
   auto [points, deviation] = [&] {
     const LongCall call;
-    auto found = modal::estimate(one.filter(), inputs, sensors, true);
+    auto found = modal::estimate(one.filter(), inputs.value, sensors.value, true);
     return std::pair(std::move(found.points), steps::band(one.observer(), found.states));
   }();
   return py::make_tuple(std::move(points), std::move(deviation));

@@ -3,6 +3,9 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "placement/criteria.h"
 #include "python/python_json.h"
 #include "python/result_of_modes.h"
@@ -44,13 +47,21 @@ class PriorsResult : public ResultOfModes<steps::LearnedPriors> {
 };
 
 std::shared_ptr<PlacementResult> place(const py::object& source, const py::object& progress,
-                                       std::optional<unsigned> seed) {
+                                       std::optional<Seed> seed) {
   return made_by<PlacementResult>(source, {progress, seed}, steps::best_places);
 }
 
 std::shared_ptr<PriorsResult> learned(const py::object& source, const py::object& progress,
-                                      std::optional<unsigned> seed) {
+                                      std::optional<Seed> seed) {
   return made_by<PriorsResult>(source, {progress, seed}, steps::learned_priors);
+}
+
+Eigen::VectorXi numbers_of_modes(const PriorsResult& result) {
+  const auto& columns = result.found().columns;
+  Eigen::VectorXi numbers(std::ssize(columns));
+  std::transform(columns.begin(), columns.end(), numbers.begin(),
+                 [](Eigen::Index column) { return static_cast<int>(column) + 1; });
+  return numbers;
 }
 
 std::vector<bool> admissible(const PlacementResult& result) {
@@ -121,6 +132,9 @@ void add_priors_result(py::module_& module) {
       .def_property_readonly(
           "rms", [](const PriorsResult& p) -> const auto& { return p.found().rms; },
           "of each mode over the surface [kg^-1/2]")
+      .def_property_readonly("modes", &numbers_of_modes,
+                             "of each row, as modes.table counts them: from 1, rigid-body modes "
+                             "too; a copy")
       .def_property_readonly(
           "matched_length",
           [](const PriorsResult& p) -> const auto& { return p.found().matched_length; },

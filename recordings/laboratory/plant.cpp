@@ -47,34 +47,44 @@ Plant::Block mode_block(const modal::ReducedModel& model, Eigen::Index mode,
 std::optional<RatePath> rate_path(const modal::ReducedModel& model,
                                   const std::vector<modal::FrfKind>& kinds) {
   const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(model.output_count(), model.input_count());
-  RatePath result{.force = none, .rate = none, .second = none, .kink = none};
+  RatePath result{.force = none, .rate = none, .second = none, .is_displacement = {}};
   bool any = false;
   for (Eigen::Index i = 0; i < model.output_count(); ++i) {
     const auto kind = kinds[static_cast<std::size_t>(i)];
-    if (kind == modal::FrfKind::receptance) continue;
+    result.is_displacement.push_back(kind == modal::FrfKind::receptance);
+    if (result.is_displacement.back()) continue;
     any = true;
-    const Eigen::RowVectorXd at_once = model.output_shapes.row(i) * model.input_shapes;
     const bool velocity = kind == modal::FrfKind::mobility;
-    (velocity ? result.kink : result.force).row(i) = at_once;
+    if (!velocity) result.force.row(i) = model.output_shapes.row(i) * model.input_shapes;
     (velocity ? result.rate : result.second).row(i) = model.residual.row(i);
   }
   if (!any) return std::nullopt;
   return result;
 }
 
+// The dashpots on the modes alone. Residual flexibility in series with a dashpot c is a state that
+// follows within c R, some 1e-7 s: it moves no line that is measured, but forces would reach
+// accelerations through it at once and be taken back at once.
+modal::ReducedModel without_series_flexibility(modal::ReducedModel model) {
+  model.dampers.to_outputs.setZero();
+  model.dampers.from_inputs.setZero();
+  model.dampers.among.setZero();
+  return model;
+}
+
 // All states of a model whose dashpots couple the modes.
 Plant coupled(const modal::ReducedModel& model, const std::vector<modal::FrfKind>& kinds) {
-  const auto receptance = modal::state_space(model);
-  Plant result{.blocks = {{receptance.a, receptance.b, receptance.c}},
-               .d = receptance.d,
-               .rates = rate_path(model, kinds)};
+  const auto rates = rate_path(model, kinds);
+  const auto used = rates ? without_series_flexibility(model) : model;
+  const auto receptance = modal::state_space(used);
+  Plant result{
+      .blocks = {{receptance.a, receptance.b, receptance.c}}, .d = receptance.d, .rates = rates};
   for (const auto kind : {modal::FrfKind::mobility, modal::FrfKind::accelerance}) {
-    const auto other = modal::state_space(model, kind);
+    const auto other = modal::state_space(used, kind);
     for (Eigen::Index i = 0; i < model.output_count(); ++i) {
       if (kinds[static_cast<std::size_t>(i)] != kind) continue;
       result.blocks.front().c.row(i) = other.c.row(i);
       result.d.row(i).setZero();
-      if (kind == modal::FrfKind::accelerance) result.rates->force.row(i) = other.d.row(i);
     }
   }
   return result;
@@ -95,6 +105,29 @@ Plant::Block pole_block(std::complex<double> pole, const Eigen::RowVectorXcd& in
 }
 
 }  // namespace
+
+modal::ReducedModel at_rest_above(const modal::ReducedModel& model, double high_hz) {
+  modal::check(model);
+  const Eigen::Index kept = (model.frequency_hz.array() <= high_hz).count();
+  const Eigen::Index above = model.mode_count() - kept;
+  const Eigen::VectorXd yields =
+      (kTwoPi * model.frequency_hz.tail(above)).cwiseAbs2().cwiseInverse();
+  const Eigen::MatrixXd outputs = model.output_shapes.rightCols(above) * yields.asDiagonal();
+  const Eigen::MatrixXd inputs = model.input_shapes.bottomRows(above);
+  const Eigen::MatrixXd dampers = model.dampers.shapes.rightCols(above);
+  modal::ReducedModel result = model;
+  result.frequency_hz.conservativeResize(kept);
+  result.damping_ratio.conservativeResize(kept);
+  result.output_shapes = model.output_shapes.leftCols(kept);
+  result.input_shapes = model.input_shapes.topRows(kept);
+  result.residual += outputs * inputs;
+  result.dampers.shapes = model.dampers.shapes.leftCols(kept);
+  if (model.damper_count() == 0) return result;
+  result.dampers.to_outputs += outputs * dampers.transpose();
+  result.dampers.from_inputs += dampers * yields.asDiagonal() * inputs;
+  result.dampers.among += dampers * yields.asDiagonal() * dampers.transpose();
+  return result;
+}
 
 Plant plant(const modal::ReducedModel& model, const std::vector<modal::FrfKind>& kinds) {
   modal::check(model);

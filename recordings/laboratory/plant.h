@@ -14,7 +14,7 @@ namespace chladni::recordings {
 /// Static flexibility moves at once, so its velocity follows u̇ and its acceleration ü.
 struct RatePath {
   Eigen::MatrixXd force, rate, second;  ///< D₀, D₁, D₂: p×q; 0 in rows of displacements
-  Eigen::MatrixXd kink;  ///< p×q: c = C B; the slope of a velocity changes by c u with the force
+  std::vector<bool> is_displacement;    ///< p
 };
 
 /// ẋ_i = A_i x_i + B_i u, y = Σ C_i x_i + D u + the path of rates; p outputs, q forces.
@@ -29,6 +29,11 @@ struct Plant {
   [[nodiscard]] Eigen::Index output_count() const { return d.rows(); }
   [[nodiscard]] Eigen::Index input_count() const { return d.cols(); }
 };
+
+/// The model with its modes above `high_hz` at rest: their static flexibility joins the residual
+/// one, at channels and dashpots.
+/// @throws InvalidInput  the model does not fit together
+[[nodiscard]] modal::ReducedModel at_rest_above(const modal::ReducedModel& model, double high_hz);
 
 /// One block of two states for each mode; one block for all states where dashpots couple the modes.
 /// `kinds`: the quantity of each output; empty: displacements. Each is (jω)ⁿ of its displacement,

@@ -1,67 +1,164 @@
 #include "recordings/laboratory/rate_path.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
-#include <cstddef>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "base/search.h"
+#include "base/turn.h"
 
 namespace chladni::recordings {
 namespace {
 
-// Central differences of eighth order (Fornberg 1988, table 1): weights of the samples 0 to 4 away.
-constexpr std::array<double, 5> kFirst = {0.0, 4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0};
-constexpr std::array<double, 5> kSecond = {-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0,
-                                           -1.0 / 560.0};
-constexpr std::array<double, 2> kThree = {-2.0, 1.0};  // of second order
+constexpr double kPi = std::numbers::pi;
+constexpr auto kReach = static_cast<double>(kRateAhead);
+// Four terms, side lobes of -92 dB (Harris 1978, table 1).
+constexpr std::array<double, 4> kWindow = {0.35875, 0.48829, 0.14128, 0.01168};
 
-// Σ w_i (s[n + i] ± s[n − i]) of every row n that has all its neighbours.
-template <std::size_t Count>
-Eigen::MatrixXd difference(const Eigen::MatrixXd& samples, const std::array<double, Count>& weight,
-                           double sign) {
-  constexpr auto reach = static_cast<Eigen::Index>(Count) - 1;
-  const auto rows = samples.rows() - 2 * reach;
-  Eigen::MatrixXd result = weight[0] * samples.middleRows(reach, rows);
-  for (Eigen::Index i = 1; i <= reach; ++i) {
-    result += weight[static_cast<std::size_t>(i)] *
-              (samples.middleRows(reach + i, rows) + sign * samples.middleRows(reach - i, rows));
+// The window and its slope at s samples from the middle.
+std::array<double, 2> window(double s) {
+  double value = 0.0;
+  double slope = 0.0;
+  for (std::size_t i = 0; i < kWindow.size(); ++i) {
+    const double turns = kPi * static_cast<double>(i) / kReach;
+    value += kWindow[i] * std::cos(turns * s);
+    slope -= kWindow[i] * turns * std::sin(turns * s);
+  }
+  return {value, slope};
+}
+
+// sin πs / πs and its slope.
+std::array<double, 2> sinc(double s) {
+  const double x = kPi * s;
+  if (std::abs(x) < 1e-4) return {1.0 - x * x / 6.0, -kPi * x / 3.0};
+  const double value = std::sin(x) / x;
+  return {value, (std::cos(x) - value) / s};
+}
+
+constexpr std::size_t kMoments = 5;  // the last one for a bend of the fourth derivative
+using Moments = Eigen::Array<double, kMoments, 1>;
+
+// The filter's response to an impulse of area 1, s samples after it.
+struct Answer {
+  double slope = 0.0;    ///< of the response
+  double impulse = 0.0;  ///< the response itself
+  double step = 0.0;     ///< the response to a step
+  /// What the filter changes of s, s²/2, s³/6, ..., which begin at s = 0.
+  std::array<double, kMoments - 1> bends = {};
+};
+
+double impulse_at(double s) { return std::abs(s) < kReach ? sinc(s)[0] * window(s)[0] : 0.0; }
+
+double slope_at(double s) {
+  if (std::abs(s) >= kReach) return 0.0;
+  return sinc(s)[1] * window(s)[0] + sinc(s)[0] * window(s)[1];
+}
+
+// ∫ tⁿ k(t) dt for n = 0, 1, ... over a sample or less.
+Moments moments(double from, double to) {
+  Moments all;
+  for (std::size_t n = 0; n < kMoments; ++n) {
+    const auto weighted = [n](double t) { return std::pow(t, n) * impulse_at(t); };
+    all(static_cast<Eigen::Index>(n)) = integral_of(weighted, from, to);
+  }
+  return all;
+}
+
+// ∫ (s − t)ⁿ / n! k(t) dt by the moments of k.
+double iterated(double s, std::size_t n, const Moments& moment) {
+  double sum = 0.0;
+  double term = 1.0;  // of the binomial: n over i
+  for (std::size_t i = 0; i <= n; ++i) {
+    sum += term * std::pow(s, n - i) * moment(static_cast<Eigen::Index>(i));
+    term *= -static_cast<double>(n - i) / static_cast<double>(i + 1);
+  }
+  return sum / std::tgamma(static_cast<double>(n) + 1.0);
+}
+
+Moments all_moments() {
+  Moments sum = Moments::Zero();
+  for (double s = -kReach; s < kReach; s += 1.0) sum += moments(s, s + 1.0);
+  return sum;
+}
+
+// The answers at `first`, `first` + 1, ...; `first` lies before the filter's reach. Far behind an
+// impulse the filter changes nothing: its moments beyond the first, -7e-5 and less, are no more
+// than its ripple, and would drift.
+std::vector<Answer> answers(double first, Eigen::Index count) {
+  const auto all = all_moments();
+  std::vector<Answer> result;
+  Moments passed = Moments::Zero();
+  double at = -kReach;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const double s = first + static_cast<double>(i);
+    const double to = std::clamp(s, -kReach, kReach);
+    passed += moments(at, to);
+    at = to;
+    Answer one{slope_at(s), impulse_at(s), passed(0) / all(0), {}};
+    for (std::size_t n = 1; n < kMoments; ++n) {
+      one.bends[n - 1] = iterated(s, n, passed) - (s > 0.0 ? iterated(s, n, all) : 0.0);
+    }
+    result.push_back(one);
   }
   return result;
 }
 
-// Held forces from kRateAhead samples before the record to as many after it, delayed. Their second
-// moment around the delay is that of one held sample, T²/12: the magnitude is then sin x / x.
-Eigen::MatrixXd felt(const SampledDelay& delay, const Eigen::MatrixXd& force) {
-  const auto& w = delay.weight;
-  const auto rows = force.rows() + 2 * kRateAhead + 2;  // one more at each end for the moment
-  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(rows, force.cols());
-  for (Eigen::Index n = 0; n < rows; ++n) {
-    for (Eigen::Index i = 0; i < w.size(); ++i) {
-      const auto from = std::min(n - kRateAhead - 1 - delay.whole - i, force.rows() - 1);
-      if (from >= 0) mean.row(n) += w(i) * force.row(from);
+// C Aᵐ B Tᵐ⁺¹ of the states, p×q each; 0 in rows of displacements.
+using Bends = std::array<Eigen::MatrixXd, kMoments - 1>;
+
+Bends bends_of(const Plant& plant, double time) {
+  Bends bends;
+  bends.fill(Eigen::MatrixXd::Zero(plant.output_count(), plant.input_count()));
+  for (const auto& block : plant.blocks) {
+    const double radius = block.a.eigenvalues().cwiseAbs().maxCoeff();
+    const std::size_t count = radius * time < 0.25 * kTwoPi ? bends.size() : 1;
+    Eigen::MatrixXd from = time * block.b;
+    for (std::size_t m = 0; m < count; ++m) {
+      bends[m] += block.c * from;
+      from = time * block.a * from;
     }
   }
-  const double middle = w(1) + 2.0 * w(2);
-  const double spread = w(1) + 4.0 * w(2) - middle * middle;
-  return mean.middleRows(1, rows - 2) - 0.5 * (spread - 1.0 / 12.0) * difference(mean, kThree, 1.0);
+  const auto& path = *plant.rates;
+  for (Eigen::Index i = 0; i < plant.output_count(); ++i) {
+    if (!path.is_displacement[static_cast<std::size_t>(i)]) continue;
+    for (auto& bend : bends) bend.row(i).setZero();
+  }
+  return bends;
+}
+
+// What the outputs take from a force that is held from `begin` to `end`: q×p.
+Eigen::MatrixXd taken(const RatePath& path, const Bends& bends, const Answer& begin,
+                      const Answer& end, double time) {
+  Eigen::MatrixXd sum = (begin.step - end.step) * path.force +
+                        (begin.impulse - end.impulse) / time * path.rate +
+                        (begin.slope - end.slope) / (time * time) * path.second;
+  for (std::size_t m = 0; m < bends.size(); ++m) sum += (begin.bends[m] - end.bends[m]) * bends[m];
+  return sum.transpose();
 }
 
 }  // namespace
 
-Eigen::MatrixXd along_rate_path(const RatePath& path, const SampledDelay& delay,
-                                double sample_time_s, const Eigen::MatrixXd& force) {
-  constexpr Eigen::Index beside = kRateAhead - 4;  // rows that no difference needs
-  const auto u = felt(delay, force);
-  const Eigen::MatrixXd inner = u.middleRows(beside, u.rows() - 2 * beside);
-  // A velocity kinks where a held force u jumps; its slope changes by c u there. Aliasing makes its
-  // samples x² / sin² x of what the instrument records, x = ωT/2. The excess, −jω T²/12 of c u to
-  // first order, is added back; where the jumps lie a fraction f of T beside samples, f (1 − f)
-  // T²/2 less.
-  const double f = delay.fraction;
-  const double kink = sample_time_s * sample_time_s * (1.0 / 12.0 - 0.5 * f * (1.0 - f));
-  Eigen::MatrixXd result =
-      u.middleRows(kRateAhead, force.rows()) * path.force.transpose() +
-      difference(inner, kFirst, -1.0) * (path.rate + kink * path.kink).transpose() / sample_time_s;
-  result +=
-      difference(inner, kSecond, 1.0) * path.second.transpose() / (sample_time_s * sample_time_s);
+Eigen::MatrixXd along_rate_path(const Plant& plant, const SampledDelay& delay, double sample_time_s,
+                                const Eigen::MatrixXd& force) {
+  // Lags from -kRateAhead on. A force begins to act at its sample, after the delay, and ends one
+  // sample later.
+  const Eigen::Index lags = 2 * kRateAhead + 2;
+  const auto answer = answers(-kReach - 1.0 - delay.fraction, lags + 1);
+  const auto bends = bends_of(plant, sample_time_s);
+  const auto rows = force.rows();
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rows, plant.output_count());
+  for (Eigen::Index l = 0; l < lags; ++l) {
+    const auto matrix = taken(*plant.rates, bends, answer[static_cast<std::size_t>(l + 1)],
+                              answer[static_cast<std::size_t>(l)], sample_time_s);
+    const Eigen::Index by = delay.whole + l - kRateAhead;  // output n takes force n - by
+    const Eigen::Index from = std::clamp<Eigen::Index>(by, 0, rows);
+    const Eigen::Index to = std::clamp<Eigen::Index>(rows + by, from, rows);
+    result.middleRows(from, to - from) += force.middleRows(from - by, to - from) * matrix;
+    if (to < rows) result.bottomRows(rows - to).rowwise() += force.row(rows - 1) * matrix;
+  }
   return result;
 }
 

@@ -92,7 +92,7 @@ Eigen::MatrixXd open_loop(const VirtualRig& rig, const Eigen::MatrixXd& force) {
                              delay.weight(2) * shifted(force, delay.whole + 2)) *
                             rig.plant.d.transpose();
   if (rig.plant.rates) {
-    outputs += along_rate_path(*rig.plant.rates, delay, rig.sample_time_s, force);
+    outputs += along_rate_path(rig.plant, delay, rig.sample_time_s, force);
   }
   for (const auto& block : sampled(rig.plant, rig.sample_time_s, delay.fraction)) {
     Eigen::MatrixXd states = block.b * now.transpose();
@@ -221,8 +221,7 @@ Record in_steps(const VirtualRig& rig, const Eigen::MatrixXd& command, Draw& noi
   const auto driven = forces(rig, command, noise);
   if (rig.plant.rates) {  // in a loop there are none: check()
     const auto delay = sampled_delay(rig.delay_s, rig.sample_time_s);
-    record.outputs +=
-        along_rate_path(*rig.plant.rates, delay, rig.sample_time_s, driven).leftCols(p);
+    record.outputs += along_rate_path(rig.plant, delay, rig.sample_time_s, driven).leftCols(p);
   }
   Stepped structure(rig);
   std::optional<Feedback> loop;

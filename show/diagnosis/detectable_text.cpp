@@ -82,6 +82,10 @@ std::string detectable_sentence(const std::vector<Detectable>& all, double least
   return missed.empty() ? text : text + " It may miss: " + missed + ".";
 }
 
+std::string detectable_sentence(const steps::Diagnosed& one) {
+  return steps::is_of_modes(one) ? "" : detectable_sentence(one.detectable, one.least_evidence);
+}
+
 std::string detectable_table(const std::vector<Detectable>& all, double least_evidence) {
   std::string text = detectable_sentence(all, least_evidence);
   if (text.empty()) return text;

@@ -7,6 +7,7 @@
 #include "diagnosis/detectable.h"
 #include "io/json.h"
 #include "io/report.h"
+#include "steps/diagnosis.h"
 
 namespace chladni::show {
 
@@ -26,5 +27,9 @@ namespace chladni::show {
 /// log_evidence}; `found` is "above" or "below" the size. Null if no size is large enough, and for
 /// effects without numbers, which have only an evidence.
 [[nodiscard]] io::JsonArray detectable_json(const std::vector<diagnosis::Detectable>& all);
+
+/// The sentence of a diagnosis; empty where its modes answer: these sizes are those that responses
+/// show, which such a model does not explain.
+[[nodiscard]] std::string detectable_sentence(const steps::Diagnosed& one);
 
 }  // namespace chladni::show

@@ -130,7 +130,7 @@ void add_responses(io::Section& section, const steps::Diagnosed& one, const Run*
   }
   add_modes(section, one.comparison.modes);
   add_mac(section, one, run);
-  if (auto sentence = detectable_sentence(one.detectable, one.least_evidence); !sentence.empty()) {
+  if (auto sentence = detectable_sentence(one); !sentence.empty()) {
     section.blocks.emplace_back(io::Note{io::Note::Tone::plain, std::move(sentence)});
     section.blocks.emplace_back(detectable_sizes(one.detectable));
   }

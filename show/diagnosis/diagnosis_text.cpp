@@ -234,8 +234,8 @@ std::string tables_behind(const steps::Diagnosed& one, bool all) {
   std::string text;
   if (all) text += before_and_after(one);
   if (all || is_open) text += "\n" + comparison_table(one.comparison);
-  const auto sizes = all ? detectable_table(one.detectable, one.least_evidence)
-                         : detectable_sentence(one.detectable, one.least_evidence);
+  const auto sizes =
+      all ? detectable_table(one.detectable, one.least_evidence) : detectable_sentence(one);
   if (!sizes.empty()) text += "\n" + sizes;
   if (all) return text;
   if (!sizes.empty()) text += "\n";

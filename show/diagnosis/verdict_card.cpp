@@ -94,11 +94,12 @@ std::vector<std::string> next_steps(const steps::Diagnosed& one) {
     steps.push_back(line + ".");
   }
   if (verdict == Verdict::no_discrepancy) {
-    auto sizes = detectable_sentence(one.detectable, one.least_evidence);
+    auto sizes = detectable_sentence(one);
     const bool calibrated = !one.result.constants.empty() && one.extended;
     if (calibrated)
       steps.emplace_back("take the calibrated constants, which are in extended.toml.");
-    if (!sizes.empty()) steps.push_back((calibrated ? "" : "nothing has to be changed. ") + sizes);
+    if (!calibrated) steps.emplace_back("nothing has to be changed.");
+    if (!sizes.empty()) steps.push_back(std::move(sizes));
   }
   if (verdict == Verdict::partial || verdict == Verdict::unexplained) {
     steps.emplace_back("see below where the difference lies: in which channels, at which lines.");

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/quantity.h"
 #include "host/folder.h"
+#include "host/shell_word.h"
 #include "mesh/site.h"
 #include "mesh/surface.h"
 #include "stage/faces.h"
@@ -83,7 +84,7 @@ std::string beginning(const FirstChoices& choices, const fs::path& file, const s
       choices.kind == "file" ? choices.part.stem().string() : "a first " + choices.kind;
   std::string text =
       "# A first study, written by `chladni new`. What stands behind # is a comment.\n";
-  text += fmt::format(fmt::runtime(kCommands), name);
+  text += fmt::format(fmt::runtime(kCommands), shell_word(name));
   text += "# Every key: chladni list keys. Every dimension has its unit.\n\n";
   text += fmt::format("title    = {}\nmaterial = {}  # others: chladni list materials\n",
                       study::toml_text(title), study::toml_text(choices.material));

@@ -98,6 +98,35 @@ void set_loop(const study::Study& study, const modal::ReducedModel& model, Bench
       fmt::format("the loop takes one sample: a delay of {:.6g} us", 1e6 * rig.delay_s));
 }
 
+// What the responses lack of the modes. `last`: frequency of the last one, 0 where there is none.
+void note_modes(const study::ExperimentPlan& plan, double last, bool folds, Bench& bench) {
+  if (last > 0.5 * plan.sample_rate_hz && folds) {
+    bench.notes.push_back(fmt::format(
+        "modes up to {:.6g} Hz move above half the sample rate and fold back, as in a laboratory "
+        "without anti-aliasing filters",
+        last));
+  } else if (last > 0.5 * plan.sample_rate_hz) {
+    bench.notes.push_back(fmt::format(
+        "modes above half the sample rate, up to {:.6g} Hz, only yield statically: velocities and "
+        "accelerations are recorded through filters that let none of them fold back",
+        last));
+  }
+  const double high = bench.plan.multisine.high_hz;
+  if (last > 0.0 && last < high) {
+    bench.notes.push_back(fmt::format(
+        "the model ends with its mode at {:.6g} Hz and the band at {:.6g} Hz: the responses lack "
+        "the modes from there on; modes.up_to = \"{:.3g} Hz\" has those of the band and what is "
+        "left of the next ones",
+        last, high, 2.0 * high));
+  } else if (last > 0.0 && last < 2.0 * high) {
+    bench.notes.push_back(fmt::format(
+        "modes above {:.6g} Hz only yield statically in these responses, those of a diagnosis "
+        "move: beside little noise it tells that; modes.up_to = \"{:.3g} Hz\" has them move here, "
+        "too",
+        last, 2.0 * high));
+  }
+}
+
 void set_structure(const study::Study& study, stage::Work& work, Bench& bench) {
   const auto& plan = *study.experiment;
   if (plan.structure != "study") return set_chain(study, bench);
@@ -107,25 +136,14 @@ void set_structure(const study::Study& study, stage::Work& work, Bench& bench) {
   bench.modes = model.mode_count();
   std::vector<modal::FrfKind> kinds;
   for (const auto& sensor : study.sensors) kinds.push_back(kind_of(sensor));
-  bench.rig.plant = recordings::plant(model, kinds);
+  const bool folds = std::ranges::count(kinds, modal::FrfKind::receptance) == std::ssize(kinds);
+  bench.rig.plant = recordings::plant(
+      folds ? model : recordings::at_rest_above(model, 0.5 * plan.sample_rate_hz), kinds);
   require(model.rigid_count == 0 || !plan.controlled.empty(),
           fmt::format("experiment: the body is free ({} rigid-body modes in view) and would drift; "
                       "expected controlled = [...] and a bandwidth",
                       model.rigid_count));
-  const double last = model.mode_count() > 0 ? model.frequency_hz.tail(1)(0) : 0.0;
-  if (last > 0.5 * plan.sample_rate_hz) {
-    bench.notes.push_back(fmt::format(
-        "modes up to {:.6g} Hz move above half the sample rate and fold back, as in a laboratory "
-        "without anti-aliasing filters",
-        last));
-  }
-  if (const double high = bench.plan.multisine.high_hz; last > 0.0 && last < high) {
-    bench.notes.push_back(fmt::format(
-        "the model ends with its mode at {:.6g} Hz and the band at {:.6g} Hz: the responses lack "
-        "the modes from there on; modes.up_to = \"{:.3g} Hz\" has those of the band and what is "
-        "left of the next ones",
-        last, high, 2.0 * high));
-  }
+  note_modes(plan, model.mode_count() > 0 ? model.frequency_hz.tail(1)(0) : 0.0, folds, bench);
   if (!plan.controlled.empty()) set_loop(study, model, bench);
 }
 

@@ -85,6 +85,40 @@ TEST_F(Compare, SaysNothingIsWrongWhereNothingIs) {
   }
 }
 
+std::string in_accelerations(std::string text) {
+  const std::string head = "[[sensor]]\n";
+  for (auto at = text.find(head); at != std::string::npos; at = text.find(head, at + 1)) {
+    text.insert(at + head.size(), "quantity = \"acceleration\"\n");
+  }
+  return text;
+}
+
+// Sampled accelerations folded back what lies above half the sample rate, and forces reached them
+// through the flexibility in series with a dashpot.
+TEST_F(Compare, TakesAccelerationsOfItsOwnForThoseOfTheStudy) {
+  const auto damped = in_accelerations(plate(std::string(kMass) + R"([[attachment]]
+kind = "spring"
+name = "cord"
+at = ["110 mm", "0 mm"]
+direction = "z"
+stiffness = "500 N/m"
+damping = "0.5 N s/m"
+)"));
+  run(simulate_command, damped + kExperiment, "truth");
+  run(compare_command, damped + measured_ + "[identification]\nunit = \"SI\"\n", "out");
+  const auto all = json("out/comparison.json");
+  EXPECT_LT(all.at("relative_error").number(), 1.2 * all.at("noise_floor").number());
+  // The table of modes left the dashpot out of the simulated damping ratios.
+  ASSERT_GE(all.at("modes").array().size(), 4U);
+  double most = 0.0;
+  for (const auto& pair : all.at("modes").array()) {
+    const double simulated = pair.at("simulated_damping").number();
+    EXPECT_NEAR(simulated, pair.at("measured_damping").number(), 0.02 * simulated);
+    most = std::max(most, simulated);
+  }
+  EXPECT_GT(most, 0.0102);
+}
+
 TEST_F(Compare, TellsTheDeviationsThatAMassLeaves) {
   EVERY_FOURTH_LANDING();
   measure();

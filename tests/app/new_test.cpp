@@ -1,4 +1,5 @@
 // chladni new: what it writes is a study that chladni check accepts.
+#include "host/shell_word.h"
 #include "io/json.h"
 #include "tests/app/program.h"
 
@@ -45,6 +46,16 @@ class New : public CommandLine {
     write("part.stl", out.str());
   }
 };
+
+// The command of a name with a blank was two words.
+TEST_F(New, NamesACommandThatAShellTakes) {
+  EXPECT_EQ(shell_word("a/b-1.toml"), "a/b-1.toml");
+  EXPECT_EQ(shell_word("it's"), "'it'\\''s'");
+  EXPECT_EQ(shell_word(""), "''");
+  const auto done = run({"new", "beam", "-o", "my beam.toml"});
+  EXPECT_TRUE(says(done.out, "chladni check 'my beam.toml'")) << done.out << done.err;
+  EXPECT_TRUE(says(text("my beam.toml"), "chladni modes 'my beam.toml'"));
+}
 
 TEST_F(New, WritesEachBodySoThatCheckAcceptsIt) {
   for (const std::string kind : {"beam", "plate", "disc", "wafer_table"}) {

@@ -101,5 +101,13 @@ TEST(Search, RefusesWhatItCannotSearch) {
   EXPECT_THROW((void)minimum_in(bowl, 0.0, 1.0, 0), InvalidInput);
 }
 
+TEST(Integral, IsExactForPolynomialsAndCloseForASine) {
+  const auto power = [](double x) { return std::pow(x, 29) + 3.0 * x * x; };
+  EXPECT_NEAR(integral_of(power, -1.0, 2.0), (std::pow(2.0, 30) - 1.0) / 30.0 + 9.0, 1e-6);
+  EXPECT_NEAR(integral_of([](double x) { return std::sin(x); }, 0.0, 3.0), 1.0 - std::cos(3.0),
+              1e-14);
+  EXPECT_EQ(integral_of([](double) { return 1.0; }, 2.0, 2.0), 0.0);
+}
+
 }  // namespace
 }  // namespace chladni

@@ -1,6 +1,8 @@
 """Files of measured data, from arrays and back."""
 import pathlib
 import tempfile
+import threading
+import time
 import unittest
 
 import chladni
@@ -94,6 +96,57 @@ class Responses(unittest.TestCase):
         np.testing.assert_array_equal(part.value, frf.value[inside][:, [2, 0]])
         with self.assertRaisesRegex(ValueError, 'no channel "y7"'):
             frf.part(outputs=["y7"])
+        with self.assertRaisesRegex(chladni.InvalidInput, "there is no output"):
+            frf.part(outputs=[])
+        with self.assertRaisesRegex(chladni.InvalidInput, 'two outputs are called "y0"'):
+            frf.part(outputs=["y0", "y0"])
+        for low, high in ((np.nan, np.nan), (np.nan, 300), (100, np.nan), (300, 100)):
+            with self.assertRaisesRegex(chladni.InvalidInput, "the lower one first"):
+                frf.band(low, high)
+        self.assertEqual(len(frf.band(-np.inf, np.inf).frequency_hz), LINES)
+
+    def test_no_lines_are_an_empty_array(self):
+        frf = chladni.Frf([], np.zeros((0, 2, 1), complex), ["y", "z"], ["u"])
+        self.assertEqual((frf.value.shape, frf.value.dtype), ((0, 2, 1), complex))
+        self.assertIsNone(frf.variance)
+
+    def test_channels_are_any_sequence_of_names(self):
+        value = np.ones((2, 2, 1), complex)
+        for names in (("y", "z"), np.array(["y", "z"]), [chladni.Channel("y"), "z"],
+                      {"y": 1, "z": 2}.keys()):
+            frf = chladni.Frf([1, 2], value, names, ("u",))
+            self.assertEqual([one.name for one in frf.outputs], ["y", "z"])
+        self.assertEqual(frf.part(np.array(["z"]), ("u",)).outputs[0].name, "z")
+
+    def test_what_is_no_channel_is_named(self):
+        value = np.ones((2, 1, 1), complex)
+        with self.assertRaisesRegex(chladni.InvalidInput, "outputs has 1; expected a Channel or a"):
+            chladni.Frf([1, 2], value, [1], ["u"])
+        with self.assertRaisesRegex(chladni.InvalidInput, "inputs has None; expected a Channel or a"):
+            chladni.Frf([1, 2], value, ["y"], [None])
+        with self.assertRaisesRegex(chladni.InvalidInput, "inputs is 'u'; expected a list of"):
+            chladni.Frf([1, 2], value, ["y"], "u")
+        with self.assertRaisesRegex(chladni.InvalidInput, "outputs is 3; expected a list of"):
+            chladni.Frf([1, 2], value, 3, ["u"])
+        with self.assertRaisesRegex(chladni.InvalidInput, "outputs has .*ud800.*; expected"):
+            chladni.Frf([1, 2], value, ["\ud800"], ["u"])
+
+    def test_what_is_no_array_is_named_with_its_shape(self):
+        value = np.ones((2, 1, 1), complex)
+        with self.assertRaisesRegex(chladni.InvalidInput,
+                                    r"frequency_hz has the shape \(2, 2\); expected n numbers"):
+            chladni.Frf([[1, 2], [3, 4]], value, ["y"], ["u"])
+        with self.assertRaisesRegex(chladni.InvalidInput, "frequency_hz is 'x'; expected n numbers"):
+            chladni.Frf("x", value, ["y"], ["u"])
+        with self.assertRaisesRegex(chladni.InvalidInput, "frequency_hz is complex; expected"):
+            chladni.Frf([1 + 1j, 2], value, ["y"], ["u"])
+        with self.assertRaisesRegex(chladni.InvalidInput, "variance is complex; expected"):
+            chladni.Frf([1, 2], value, ["y"], ["u"], variance=value)
+        with self.assertRaisesRegex(chladni.InvalidInput, "coherence is 'x'; expected"):
+            chladni.Frf([1, 2], value, ["y"], ["u"], coherence="x")
+        with self.assertRaisesRegex(chladni.InvalidInput,
+                                    r"position has the shape \(2,\); expected 3 numbers"):
+            chladni.Channel("y", position=[0, 1])
 
     def test_what_does_not_fit_is_refused(self):
         f = [1.0, 2.0]
@@ -142,12 +195,35 @@ class TimeData(unittest.TestCase):
             outputs = np.concatenate([one.outputs for one in recordings.records])
             inputs = np.concatenate([one.inputs for one in recordings.records])
             np.testing.assert_allclose(outputs, 3 * inputs, rtol=1e-12)
-            frf = recordings.frf(low_hz=1, high_hz=30)
+            frf = recordings.frf(low_hz=1, high_hz=30, inputs="forces")
             np.testing.assert_allclose(frf.value, 3, rtol=1e-9)
             chladni.write_time(pathlib.Path(folder) / "again.csv", recordings)
             again = chladni.read_time(pathlib.Path(folder) / "again.csv")
             np.testing.assert_array_equal(
                 np.concatenate([one.outputs for one in again.records]), outputs)
+
+    def test_the_hold_of_commands_is_taken_off(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "time.csv"
+            file.write_text(self.TEXT)
+            recordings = chladni.read_time(file)
+        kept = recordings.frf(1, 30, inputs="forces")
+        freed = recordings.frf(1, 30)
+        # A hold delays by half a sample and shrinks by sin x / x, x = omega T / 2.
+        x = np.pi * freed.frequency_hz[:, None, None] / 64
+        np.testing.assert_allclose(freed.value, kept.value * x / np.sin(x) * np.exp(1j * x),
+                                   rtol=1e-9)
+        if kept.variance is not None:
+            np.testing.assert_allclose(freed.variance, kept.variance * (x / np.sin(x)) ** 2,
+                                       rtol=1e-9)
+        np.testing.assert_array_equal(recordings.frf(1, 30, inputs="commands").value, freed.value)
+        self.assertTrue(any("hold" in note for note in freed.notes))
+        self.assertFalse(any("hold" in note for note in kept.notes))
+        with self.assertRaisesRegex(chladni.InvalidInput, 'inputs is "force"; expected "commands"'):
+            recordings.frf(1, 30, inputs="force")
+        for band in ((np.nan, 30), (1, np.nan), (30, 1)):
+            with self.assertRaisesRegex(chladni.InvalidInput, "the lower one first"):
+                recordings.frf(*band)
 
 
 class Shapes(unittest.TestCase):
@@ -158,6 +234,39 @@ class Shapes(unittest.TestCase):
         b = draw.standard_normal((6, 2))
         by_hand = abs(a.conj().T @ b) ** 2 / np.outer((abs(a) ** 2).sum(0), (b ** 2).sum(0))
         np.testing.assert_allclose(chladni.mac(a, b), by_hand)
+        np.testing.assert_allclose(chladni.mac(a.real, b), chladni.mac(a.real + 0j, b + 0j))
+
+    def test_what_is_no_shape_is_named(self):
+        with self.assertRaisesRegex(chladni.InvalidInput, r"b has the shape \(2, 2, 2\); expected"):
+            chladni.mac(np.eye(2), np.ones((2, 2, 2)))
+        with self.assertRaisesRegex(chladni.InvalidInput, "a is 'x'; expected"):
+            chladni.mac("x", np.eye(2))
+
+    def test_real_shapes_cost_real_products_and_let_others_run(self):
+        draw = np.random.default_rng(5)
+        shapes = draw.standard_normal((2000, 600))
+        ticks, stop = [], threading.Event()
+
+        def tick():
+            while not stop.wait(1e-3):
+                ticks.append(time.perf_counter())
+
+        def taken(given):
+            """Seconds, and the part of them that another thread waited at a stretch."""
+            start = time.perf_counter()
+            chladni.mac(given, given)
+            end = time.perf_counter()
+            heard = [start] + [one for one in list(ticks) if start < one < end] + [end]
+            return end - start, max(np.diff(heard)) / (end - start)
+
+        other = threading.Thread(target=tick, daemon=True)
+        other.start()
+        real = [taken(shapes) for _ in range(3)]
+        full = [taken(shapes + 0j) for _ in range(3)]
+        stop.set()
+        other.join()
+        self.assertLess(min(part for _, part in real + full), 0.5, "the lock was held")
+        self.assertLess(min(real)[0], 0.7 * min(full)[0], (real, full))
 
 
 if __name__ == "__main__":

@@ -1,10 +1,14 @@
 """Modes, mesh and matrices of a study."""
 import gc
 import json
+import os
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 import types
 import unittest
 import unittest.mock
@@ -12,7 +16,7 @@ import warnings
 
 import chladni
 import numpy as np
-from studies import channels, plate
+from studies import channels, patience, plate
 
 try:
     import scipy.sparse
@@ -78,6 +82,20 @@ class Modes(unittest.TestCase):
         np.testing.assert_array_equal(K.data, K.data[order])
         self.assertIsNone(self.modes.C)
 
+    def test_what_attachments_add_has_rows_of_its_own(self):
+        modes = solved(attachment=[{"kind": "resonator", "name": "q", "at": ["60 mm", "40 mm"],
+                                    "mass": "40 g", "frequency": "300 Hz", "direction": "z"}])
+        with unittest.mock.patch.dict(sys.modules, {"scipy.sparse": None}):
+            M = modes.M
+        self.assertEqual(modes.extra_shapes.shape, (1, modes.shapes.shape[1]))
+        self.assertEqual(self.modes.extra_shapes.shape[0], 0)
+        phi = np.zeros((M.shape[0], modes.shapes.shape[1]))
+        phi[modes.free_dof] = np.vstack([modes.shapes, modes.extra_shapes])
+        columns = np.repeat(np.arange(M.shape[0]), np.diff(M.indptr))
+        moved = np.zeros_like(phi)
+        np.add.at(moved, M.indices, M.data[:, None] * phi[columns])
+        np.testing.assert_allclose(phi.T @ moved, np.eye(phi.shape[1]), atol=1e-9)
+
     def test_arrays_are_views_that_outlive_the_modes(self):
         modes = solved()
         shapes, nodes, f = modes.shapes, modes.mesh.nodes, modes.frequency_hz
@@ -123,6 +141,52 @@ class Modes(unittest.TestCase):
             self.modes.at(np.zeros((3, 3)), np.ones((2, 3)))
         with self.assertRaisesRegex(ValueError, "any length but 0"):
             self.modes.at(np.zeros((1, 3)), [0, 0, 0])
+
+    def test_what_is_no_array_is_invalid_input(self):
+        modes = self.modes
+        for wrong, said in (([[0, 0]], r"has the shape \(1, 2\); expected n x 3 numbers"),
+                            (np.zeros((1, 1, 3)), r"has the shape \(1, 1, 3\); expected n x 3"),
+                            ([[0, 0, 1j]], "is complex; expected n x 3 numbers"),
+                            ("here", "is 'here'; expected n x 3 numbers"),
+                            ([[0, 0, 0], [0]], "is .*; expected n x 3 numbers")):
+            with self.assertRaisesRegex(chladni.InvalidInput, "points " + said):
+                modes.at(wrong)
+        with self.assertRaisesRegex(chladni.InvalidInput, "direction is 'z'; expected n x 3"):
+            modes.at([[0, 0, 0]], "z")
+        space = modes.state_space()
+        for asked in (modes.frf, space.frf):
+            with self.assertRaisesRegex(chladni.InvalidInput, "frequency_hz is 100.0; expected n"):
+                asked(100.0)
+            for wrong in ([np.nan], [-5.0], [np.inf]):
+                with self.assertRaisesRegex(chladni.InvalidInput,
+                                            "frequency_hz has .*; expected 0 or more"):
+                    asked(wrong)
+        with self.assertRaisesRegex(chladni.InvalidInput, "frequency_hz has 200 after 300; expected"):
+            modes.frf([300.0, 200.0])
+        self.assertEqual(modes.frf([]).value.shape, (0, 7, 2))
+        for seed in (-1, 2**32):
+            with self.assertRaisesRegex(chladni.InvalidInput, f"seed is {seed}; expected"):
+                chladni.modes(plate(), seed=seed)
+        self.assertEqual(chladni.modes(plate(), seed=np.int64(3), progress=False).rigid_body_modes, 6)
+
+    def test_a_state_space_that_cannot_be_meant_is_refused(self):
+        nan, inf = np.nan, np.inf
+        for name, values in {"sample_rate_hz": (-20000, nan, inf, -inf), "states": (-4,),
+                             "pade_order": (-3,)}.items():
+            for value in values:
+                for asked in (self.modes.state_space, self.modes.to_control):
+                    with self.assertRaisesRegex(chladni.InvalidInput, f"{name} is {value}; expected"):
+                        asked(**{name: value})
+
+    def test_ctrl_c_stops_a_state_space(self):
+        space = self.modes.state_space()
+        lines = np.linspace(10, 4000, 400000)
+        threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+        start = time.monotonic()
+        with self.assertRaises(KeyboardInterrupt):
+            space.frf(lines)
+            time.sleep(60)
+        self.assertLess(time.monotonic() - start, 1.0 * patience())
 
     def test_responses_are_the_modal_sum_and_the_state_space(self):
         modes = self.modes

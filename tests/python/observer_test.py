@@ -101,6 +101,8 @@ class Observer(InFolder):
             one.estimate(inputs, sensors[:, :3])
         with self.assertRaises(chladni.InvalidInput):
             one.estimate(inputs, np.full_like(sensors, np.nan))
+        with self.assertRaisesRegex(chladni.InvalidInput, "sensors is complex; expected n x m"):
+            one.estimate(inputs, sensors * 1j)
 
     def test_the_judge_is_estimated_as_well_as_is_said(self):
         one = self.observer

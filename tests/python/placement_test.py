@@ -65,6 +65,8 @@ class Placement(unittest.TestCase):
         with self.assertRaisesRegex(chladni.InvalidInput, "0.001 m and the Sites have no slopes"):
             chladni.best_pairs(beam(), sites(11), plan)
         with self.assertRaisesRegex(chladni.InvalidInput, "the Sites have no slopes"):
+            chladni.best_layouts(beam(), sites(11), plan)
+        with self.assertRaisesRegex(chladni.InvalidInput, "the Sites have no slopes"):
             chladni.layout_score(beam(sensors=channels(1.0)), sites(11), plan, [0], [])
         x = np.linspace(0.0, LENGTH, 11)
         known = chladni.Sites(lines(x)[0], np.full(11, 1e-3), shapes(x), np.ones((11, 6)))
@@ -77,8 +79,52 @@ class Placement(unittest.TestCase):
         with self.assertRaisesRegex(chladni.InvalidInput, "channel 0 of a layout does not exist"):
             chladni.layout_score(beam(), sites(11), plan, [0], [])
         plan.criterion = "luck"
-        with self.assertRaisesRegex(chladni.InvalidInput, "weakest_mode"):
-            chladni.best_pairs(beam(), sites(11), plan)
+        for search in (chladni.best_pairs, chladni.best_layouts):
+            with self.assertRaisesRegex(chladni.InvalidInput, "weakest_mode"):
+                search(beam(), sites(11), plan)
+
+    def test_a_plan_that_cannot_be_meant_is_refused(self):
+        nan, inf = np.nan, np.inf
+        wrong = {"noise": (-1, 0, nan, inf), "up_to_hz": (-5, nan), "pairs": (0, -1, 101),
+                 "spacing": (-1, nan), "frequency_tolerance": (-0.1, nan), "sites": (-1,),
+                 "position_error": (-1e-3, nan)}
+        structure = beam(sensors=channels(1.0))
+        x = np.linspace(0.0, LENGTH, 11)
+        known = chladni.Sites(lines(x)[0], np.full(11, 1e-3), shapes(x), np.ones((11, 6)))
+        for name, values in wrong.items():
+            for value in values:
+                plan = chladni.PlacementPlan()
+                setattr(plan, name, value)
+                for search in (chladni.best_pairs, chladni.best_layouts,
+                               lambda *all: chladni.layout_score(*all, [0], [])):
+                    with self.subTest(f"{name} {value}"), \
+                            self.assertRaisesRegex(chladni.InvalidInput, f"plan.{name} is "):
+                        search(structure, known, plan)
+
+    def test_places_that_cannot_be_meant_are_refused(self):
+        x = np.linspace(0.0, LENGTH, 11)
+        position, area = lines(x)[0], np.full(11, 1e-3)
+        with self.assertRaisesRegex(chladni.InvalidInput, "position of place 0 is not finite"):
+            chladni.Sites(position * np.nan, area, shapes(x))
+        for wrong in (-area, area * np.nan):
+            with self.assertRaisesRegex(chladni.InvalidInput, "area of place 0 is .*; expected"):
+                chladni.Sites(position, wrong, shapes(x))
+        with self.assertRaisesRegex(chladni.InvalidInput, r"position has the shape \(11, 2\)"):
+            chladni.Sites(position[:, :2], area, shapes(x))
+        for size in (-1, 0, np.nan, np.inf):
+            with self.assertRaisesRegex(chladni.InvalidInput, "size is "):
+                chladni.Structure(50.0 * np.arange(1, 7) ** 2, mass_kg=1.0, size=size)
+        for mass in (-1, 0, np.nan):
+            with self.assertRaisesRegex(chladni.InvalidInput, "mass_kg is "):
+                chladni.Structure(50.0 * np.arange(1, 7) ** 2, mass_kg=mass, size=LENGTH)
+        with self.assertRaisesRegex(chladni.InvalidInput, "frequency_hz has -1"):
+            chladni.Structure([-1.0, 2.0], mass_kg=1.0, size=LENGTH)
+        with self.assertRaisesRegex(chladni.InvalidInput, "damping_ratio has -0.1"):
+            beam(damping_ratio=np.full(6, -0.1))
+        with self.assertRaisesRegex(chladni.InvalidInput, "seed is -1; expected"):
+            chladni.best_layouts(beam(), sites(11), chladni.PlacementPlan(), seed=-1)
+        with self.assertRaisesRegex(chladni.InvalidInput, "channel -1"):
+            chladni.layout_score(beam(), sites(11), chladni.PlacementPlan(), [-1], [])
 
 
 if __name__ == "__main__":

@@ -68,6 +68,31 @@ class ResponseField(unittest.TestCase):
                                    places(SENSORS), places(ACTUATORS), simulation(),
                                    method="kriging")
 
+    def test_magnitudes_are_no_responses(self):
+        lines = np.linspace(10.0, 400.0, 50)
+        responses = truth(SENSORS, lines)
+        for real in (abs(responses), responses.real):
+            with self.assertRaisesRegex(chladni.InvalidInput, "responses is real, without a phase"):
+                chladni.response_field(lines, real, places(SENSORS), places(ACTUATORS),
+                                       simulation())
+        with self.assertRaisesRegex(chladni.InvalidInput, "variance is complex; expected"):
+            chladni.response_field(lines, responses, places(SENSORS), places(ACTUATORS),
+                                   simulation(), variance=responses)
+
+    def test_what_is_no_frequency_is_refused(self):
+        found = field()
+        for wrong in ([np.nan], [100.0, -3.0], [np.inf]):
+            with self.assertRaisesRegex(chladni.InvalidInput,
+                                        "frequency_hz has .*; expected 0 or more"):
+                found.at(places(BETWEEN), wrong)
+
+    def test_complex_shapes_are_no_places(self):
+        position = np.zeros((2, 3))
+        with self.assertRaisesRegex(chladni.InvalidInput, "shapes is complex; expected"):
+            chladni.Places(position, position + [0, 0, 1], np.ones((2, 2), complex))
+        with self.assertRaisesRegex(chladni.InvalidInput, r"position has the shape \(2, 2\)"):
+            chladni.Places(position[:, :2], position + [0, 0, 1])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -114,6 +114,16 @@ class Flow(InFolder):
         row = [one.name for one in band.outputs].index("p")
         np.testing.assert_allclose(value[:, 0], band.value[:, row], rtol=1e-9)
         np.testing.assert_allclose(deviation[:, 0] ** 2, band.variance[:, row], rtol=1e-9)
+        for asked in (lambda f: field.frf(point, f), field.identified.frf,
+                      field.identified.state_space().frf):
+            for wrong in ([np.nan], [100.0, -3.0], [np.inf]):
+                with self.assertRaisesRegex(chladni.InvalidInput,
+                                            "frequency_hz has .*; expected 0 or more"):
+                    asked(wrong)
+        with self.assertRaisesRegex(chladni.InvalidInput, "frequency_hz has 200 after 300; expected"):
+            field.identified.frf([300.0, 200.0])
+        with self.assertRaisesRegex(chladni.InvalidInput, r"points has the shape \(1, 2\)"):
+            field.at([[0, 0]])
 
     @every_fourth_landing(3)
     def test_the_hidden_mass_is_found(self):
@@ -189,6 +199,12 @@ class Placement(unittest.TestCase):
         self.assertEqual(priors.kernel, "squared_exponential")
         self.assertTrue((priors.rms > 0).all())
         self.assertEqual(len(priors.matched_length), len(priors.rms))
+        rows = priors.to_dict()["modes"]
+        self.assertEqual(len(priors.modes), len(priors.rms))
+        rigid = self.modes.rigid_body_modes
+        self.assertEqual(list(priors.modes), [rigid + row["mode"] for row in rows])
+        np.testing.assert_array_equal(self.modes.frequency_hz[priors.modes - 1],
+                                      [row["frequency_hz"] for row in rows])
 
 
 class Program(unittest.TestCase):

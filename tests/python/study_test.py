@@ -1,10 +1,12 @@
 """Studies from files and from dicts: the same study, the same sentences."""
+import collections
 import pathlib
 import random
 import re
 import string
 import tempfile
 import tomllib
+import types
 import unittest
 
 import chladni
@@ -39,6 +41,21 @@ class Dicts(unittest.TestCase):
             chladni.Study({"geometry": {"plate": {"length": {1}}}})
         with self.assertRaisesRegex(TypeError, "a key of a study is text, found 3"):
             chladni.Study({3: "x"})
+
+    def test_any_mapping_is_a_study(self):
+        whole = plate(**channels())
+        inner = {**whole, "mesh": types.MappingProxyType(whole["mesh"]),
+                 "sensor": [collections.UserDict(one) for one in whole["sensor"]]}
+        for made in (types.MappingProxyType, collections.UserDict, collections.OrderedDict,
+                     lambda one: collections.ChainMap({}, one)):
+            study = chladni.Study(made(inner), name="any")
+            self.assertEqual(study.check(), chladni.Study(whole, name="any").check())
+        self.assertEqual(len(chladni.modes(collections.UserDict(plate())).frequency_hz), 18)
+
+    def test_half_a_character_is_no_text(self):
+        for wrong in ({"title": "\ud800"}, {"\ud800": 1}):
+            with self.assertRaisesRegex(chladni.InvalidInput, r"'\\ud800'.*; expected text"):
+                chladni.Study(plate(**wrong))
 
     def test_a_dict_is_the_study_of_its_file(self):
         whole = plate(**channels())

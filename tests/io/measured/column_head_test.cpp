@@ -85,6 +85,8 @@ TEST(FrfCsv, UnitsOfTheHeadThatContradictEachOtherAreRefused) {
     const auto said =
         refusal_of([&] { return parse_frf_csv(head + ("\n" + row + "\n"), "t.csv"); });
     EXPECT_NE(said.find("has another unit than others of y1"), said.npos) << said;
+    EXPECT_EQ(said.find("t.csv"), said.rfind("t.csv")) << said;
+    EXPECT_NE(said.find(" beside "), said.npos) << said;
   }
   const auto said = refusal_of([&] {
     return parse_frf_csv(
