@@ -94,6 +94,24 @@ TEST_F(Simulate, RefusesNamesThatATableCannotHoldBeforeItSolves) {
   EXPECT_NE(said.find("CSV cannot hold the names"), std::string::npos) << said;
 }
 
+// Recordings and universal files have rules of their own.
+TEST_F(Simulate, RefusesNamesThatItsOtherFilesCannotHoldBeforeItSolves) {
+  const std::string too_fine = "mesh = { edge_length = \"1 um\" }\n";
+  const auto said_of = [&](const std::string& name, const std::string& more,
+                           const std::string& keys) {
+    return refusal_of([&] {
+      return run(too_fine + in_other_words(kStrip, "\"y1\"", "\"" + name + "\"") + more +
+                 "[experiment]\n" + kShort + keys);
+    });
+  };
+  const auto recordings = said_of("y1 [mm]", "", "leaves = \"time\"\n");
+  EXPECT_NE(recordings.find("CSV cannot hold the channel name"), std::string::npos) << recordings;
+  const auto uff = said_of(std::string(61, 'y'), "[measurement]\nfrf = \"m.uff\"\n", "");
+  EXPECT_NE(uff.find("UFF cannot hold the channel name"), std::string::npos) << uff;
+  const auto other = said_of("y1", "[measurement]\nfrf = \"m.xlsx\"\n", "");
+  EXPECT_NE(other.find(".xlsx"), std::string::npos) << other;
+}
+
 TEST_F(Simulate, MeasuresTheChainWithinTheStatedVariance) {
   const auto out = run(kStrip + "[experiment]\n" + kShort +
                        "structure = \"rigid_chain\"\nwarm_up = 20\nperiods = 4\nrealisations = 6\n"
@@ -146,7 +164,7 @@ TEST_F(Simulate, SaysWhereTheBandGoesBeyondTheModel) {
     for (const auto& note : json.at("notes").array()) all += note.string() + "\n";
     return all;
   };
-  EXPECT_NE(notes_of("16 kHz", "6 kHz").find("the responses lack the modes"), std::string::npos);
+  EXPECT_NE(notes_of("64 kHz", "24 kHz").find("the responses lack the modes"), std::string::npos);
   EXPECT_EQ(notes_of("1024 Hz", "40 Hz").find("the responses lack the modes"), std::string::npos);
 }
 
