@@ -168,6 +168,18 @@ TEST_F(Simulate, SaysWhereTheBandGoesBeyondTheModel) {
   EXPECT_EQ(notes_of("1024 Hz", "40 Hz").find("the responses lack the modes"), std::string::npos);
 }
 
+// A diagnosis of such responses has 64 modes, however few a study shows.
+TEST_F(Simulate, ResponsesDoNotTurnOnTheModesThatAreShown) {
+  const std::string text =
+      kPlate + plate_channels() +
+      "[experiment]\nsample_rate = \"16 kHz\"\nsamples = 2048\nwarm_up = 3\nperiods = 1\n"
+      "realisations = 1\nband = [\"20 Hz\", \"4 kHz\"]\n"
+      "controlled = [\"actuator1\", \"actuator2\", \"actuator3\"]\nbandwidth = \"8 Hz\"\n";
+  const auto few = read_whole(run(text, "few") / "measured.csv");
+  const auto more = in_other_words(text, "count = 4,", "count = 9,");
+  EXPECT_EQ(read_whole(run(more, "more") / "measured.csv"), few);
+}
+
 TEST_F(Simulate, TheSameSeedLeavesTheSameBytes) {
   const std::string text = kStrip + "[experiment]\n" + kShort +
                            "structure = \"rigid_chain\"\nperiods = 3\nrealisations = 2\n"
