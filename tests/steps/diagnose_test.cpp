@@ -35,6 +35,7 @@ class Diagnose : public testing::Test {
     options.lines = 120;
     options.degree = 12;
     options.severity = 0.7;
+    options.on_face = true;
     const auto made = simulators::hidden_case(kinds, seed, options);
     truth_ = made.truth;
     return modal::part(made.measured, sensors, actuators);
