@@ -11,9 +11,9 @@
 #include "host/descriptor.h"
 #include "host/parallel.h"
 #include "host/worker.h"
-#include "python/copies.h"
-#include "python/long_call.h"
+#include "python/calls/long_call.h"
 #include "python/rooms.h"
+#include "python/values/copies.h"
 #include "show/version.h"
 
 namespace chladni::python {

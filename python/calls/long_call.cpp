@@ -1,4 +1,4 @@
-#include "python/long_call.h"
+#include "python/calls/long_call.h"
 
 #include <csignal>
 #include <utility>
