@@ -143,7 +143,7 @@ INSTANTIATE_TEST_SUITE_P(BesideTheCatalogue, OutsideEffects,
                          testing::ValuesIn(simulators::outside_kinds()), kind_name);
 
 TEST(HiddenEffects, NothingIsCalledNothing) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   for (const unsigned seed : {1U, sample().seed() + 1U}) {
     const auto diagnosis = told(hidden({}, seed));
     EXPECT_EQ(diagnosis.verdict, Verdict::no_discrepancy) << seed;
@@ -168,7 +168,7 @@ diagnosis::Diagnosis told_within_tolerances(const std::vector<std::string>& kind
 }
 
 TEST(HiddenEffects, ATableThatDeviatesHasNothing) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   std::vector<unsigned> seeds{108U, 1000U + sample().seed()};
   if (sample().all) seeds.push_back(102U);
   for (const unsigned seed : seeds) {
@@ -180,7 +180,7 @@ TEST(HiddenEffects, ATableThatDeviatesHasNothing) {
 }
 
 TEST(HiddenEffects, AMassIsFoundOnATableThatDeviates) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   simulators::HiddenCase made;
   const auto score = simulators::scored(made, told_within_tolerances({"point_mass"}, 7, made));
   EXPECT_EQ(name(score.outcome), name(Outcome::right)) << score.told;
@@ -213,7 +213,7 @@ INSTANTIATE_TEST_SUITE_P(AtOnce, TwoEffects, testing::ValuesIn(pairs()));
 
 // A diagnosis that knew the truth would know this seed's, too: the same record with other names.
 TEST(HiddenEffects, NamesOfChannelsAreAllThatTiesThemToPlaces) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   auto made = hidden({"actuator_gain"}, 3);
   const auto before = told(made);
   std::reverse(made.measured.inputs.begin(), made.measured.inputs.end());

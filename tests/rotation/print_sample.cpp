@@ -1,5 +1,5 @@
-// Prints which eighth of the tests this tree's sample has, 0 to 7, or "all": its rest by four is the
-// quarter.
+// Prints which eighth of the tests this tree's sample has, 0 to 7, or "all": its rest by four is
+// the quarter.
 #include <fmt/format.h>
 
 #include <cstdlib>
