@@ -152,6 +152,23 @@ TEST_F(Place, SaysThatModesAreAboveThoseComputed) {
   EXPECT_TRUE(says(placed_with("up_to = \"9 kHz\"").notes.at(0), "above it are not looked at"));
 }
 
+// Three springs hold it along z: its first three modes above 0 Hz are those of a rigid body.
+TEST_F(Place, SaysThatModesAreOfTheSuspension) {
+  std::string springs;
+  for (const char* at :
+       {R"("-250 mm", "-250 mm")", R"("250 mm", "-250 mm")", R"("0 mm", "250 mm")"}) {
+    springs += fmt::format(
+        "[[attachment]]\nkind = \"spring\"\nname = \"cord {}\"\nstiffness = \"500 N/m\"\n"
+        "direction = \"z\"\nat = [{}]\n",
+        springs.size(), at);
+  }
+  const auto placed = placed_with("modes = 3\n" + springs);
+  ASSERT_EQ(placed.notes.size(), 1U);
+  EXPECT_TRUE(says(placed.notes[0], "the body moves on its springs"));
+  EXPECT_TRUE(says(placed.notes[0], "placement.modes = [4, 5, 6]"));
+  EXPECT_TRUE(placed_with("modes = [4, 5]\n" + springs).notes.empty());
+}
+
 TEST_F(Place, AGridGivesItsPlacesAndAProvenOptimum) {
   const auto placed = placed_with(
       "modes = 5\ngrid = { pitch = \"60 mm\", columns = 9, rows = 9 }\n"
