@@ -10,6 +10,18 @@
 
 namespace chladni::io {
 
+namespace {
+
+// Makes what a file of this format holds and throws it away. A .mat holds any name.
+template <typename Csv, typename Uff>
+void require_made(const std::filesystem::path& file, const Csv& csv, const Uff& uff) {
+  std::vector<std::string> lost;
+  static_cast<void>(in_written_format(
+      file, csv, [&] { return uff(UffEncoding::binary, lost); }, [] { return std::string(); }));
+}
+
+}  // namespace
+
 void require_writable_frf(const std::filesystem::path& file,
                           const std::vector<modal::MeasuredChannel>& outputs,
                           const std::vector<modal::MeasuredChannel>& inputs) {
@@ -18,19 +30,9 @@ void require_writable_frf(const std::filesystem::path& file,
   set.inputs = inputs;
   set.frequency_hz = Eigen::VectorXd::Ones(1);
   set.value.assign(1, Eigen::MatrixXcd::Zero(set.output_count(), set.input_count()));
-  std::vector<std::string> lost;
-  switch (written_format(file)) {
-    case MeasuredFormat::csv:
-      static_cast<void>(frf_csv(set));
-      return;
-    case MeasuredFormat::uff:
-      static_cast<void>(frf_uff(set, UffEncoding::binary, lost));
-      return;
-    case MeasuredFormat::mat:
-      return;
-    default:
-      refuse_ending(file);
-  }
+  require_made(
+      file, [&] { return frf_csv(set); },
+      [&](UffEncoding encoding, auto& lost) { return frf_uff(set, encoding, lost); });
 }
 
 void require_writable_time(const std::filesystem::path& file, recordings::TimeData data) {
@@ -41,19 +43,9 @@ void require_writable_time(const std::filesystem::path& file, recordings::TimeDa
   data.records.assign(1, {.outputs = samples(data.outputs),
                           .inputs = samples(data.inputs),
                           .references = samples(data.references)});
-  std::vector<std::string> lost;
-  switch (written_format(file)) {
-    case MeasuredFormat::csv:
-      static_cast<void>(time_csv(data));
-      return;
-    case MeasuredFormat::uff:
-      static_cast<void>(time_uff(data, UffEncoding::binary, lost));
-      return;
-    case MeasuredFormat::mat:
-      return;
-    default:
-      refuse_ending(file);
-  }
+  require_made(
+      file, [&] { return time_csv(data); },
+      [&](UffEncoding encoding, auto& lost) { return time_uff(data, encoding, lost); });
 }
 
 }  // namespace chladni::io
