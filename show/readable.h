@@ -42,7 +42,8 @@ struct Readable {
 }
 
 /// A standard deviation in this format of fmt; "unknown" where it is not finite.
-[[nodiscard]] inline std::string deviation_text(double deviation, const char* format = "{:.2g}") {
+[[nodiscard]] inline std::string deviation_text(double deviation,
+                                                std::string_view format = "{:.2g}") {
   return std::isfinite(deviation) ? fmt::format(fmt::runtime(format), deviation) : "unknown";
 }
 

@@ -28,7 +28,7 @@ int decimals_for(double std) {
 std::string with_deviation(double value, double std, const std::string& between) {
   const int digits = decimals_for(std);
   return fmt::format("{:.{}f}{}{}", value, digits, between,
-                     std::isfinite(std) ? fmt::format("{:.{}f}", std, digits) : "unknown");
+                     deviation_text(std, fmt::format("{{:.{}f}}", digits)));
 }
 
 std::string name_of(const OddEntry& one) { return fmt::format("{} of {}", one.key, one.specimen); }

@@ -1,6 +1,7 @@
 #include "steps/placement.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -98,19 +99,22 @@ void note_suspension(const stage::Solution& solution, const placement::WantedMod
   const auto on_springs = [&](Eigen::Index mode) { return part(mode) > kOnSprings; };
   if (std::ranges::none_of(wanted.columns, on_springs)) return;
   std::vector<std::string> numbers;
-  std::string bending;
+  std::vector<Eigen::Index> bending;  // the first three
   for (Eigen::Index m = modes.rigid_count; m < modes.mode_count(); ++m) {
     const bool is_wanted = std::ranges::find(wanted.columns, m) != wanted.columns.end();
     if (is_wanted && on_springs(m)) {
       numbers.push_back(fmt::format("{} ({:.4g} Hz)", m + 1, modes.frequency_hz(m)));
     }
-    if (on_springs(m) || std::ranges::count(bending, ',') == 2) continue;
-    bending += fmt::format("{}{}", bending.empty() ? "" : ", ", m - modes.rigid_count + 1);
+    if (!on_springs(m) && bending.size() < 3) bending.push_back(m - modes.rigid_count + 1);
   }
+  const auto advice = bending.empty()
+                          ? "a larger modes.count computes some that bend it"
+                          : fmt::format("placement.modes = [{}] asks for the first that bend it",
+                                        fmt::join(bending, ", "));
   notes.push_back(fmt::format(
       "in mode {} the body moves on its springs and does not bend, and places are sought for {} "
-      "all the same; placement.modes = [{}] asks for the first that bend it",
-      io::listed(numbers), numbers.size() == 1 ? "it" : "them", bending));
+      "all the same; {}",
+      io::listed(numbers), numbers.size() == 1 ? "it" : "them", advice));
 }
 
 }  // namespace
