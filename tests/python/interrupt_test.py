@@ -49,21 +49,15 @@ class CtrlC(unittest.TestCase):
         """)
         self.assertEqual(said, ["stopped"], errors)
 
-    def test_calls_the_own_handler_and_goes_on(self):
-        said, errors, _ = self.said("""
-            signal.signal(signal.SIGINT, own)
-            print(long_call())
-            print(heard)
-        """)
-        self.assertEqual(said, ["60000", "[True]"], errors)
-
-    def test_calls_it_each_time(self):
-        said, errors, _ = self.said("""
-            signal.signal(signal.SIGINT, own)
-            print(long_call())
-            print(heard)
-        """, signals=2)
-        self.assertEqual(said, ["60000", "[True, True]"], errors)
+    def test_calls_the_own_handler_each_time_and_goes_on(self):
+        for signals, heard in (1, "[True]"), (2, "[True, True]"):
+            with self.subTest(signals=signals):
+                said, errors, _ = self.said("""
+                    signal.signal(signal.SIGINT, own)
+                    print(long_call())
+                    print(heard)
+                """, signals)
+                self.assertEqual(said, ["60000", heard], errors)
 
     def test_raises_what_the_own_handler_raises(self):
         said, errors, _ = self.said("""
