@@ -270,6 +270,8 @@ int told(const std::filesystem::path& path, const File& file, const show::Option
 
 int check_data(const std::filesystem::path& file, const show::Options& options,
                std::ostream& results) {
+  require(!options.expect,
+          file.string() + ": --expect is of a study, and this is a file of measured data");
   require_one_unit(options.unit);
   try {
     io::FrfOptions frf;

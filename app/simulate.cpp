@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <utility>
 
 #include "app/command.h"
 #include "base/error.h"
@@ -10,6 +11,7 @@
 #include "host/atomic_file.h"
 #include "io/frf_file.h"
 #include "io/time_file.h"
+#include "io/writable.h"
 #include "stage/solution.h"
 #include "steps/simulated.h"
 
@@ -42,16 +44,17 @@ fs::path target_of(const study::Study& study, show::Run& run) {
   return file;
 }
 
-// Refuses names that a table cannot hold before anything is solved.
+// Refuses names that the file cannot hold before anything is solved.
 void refuse_names(const study::Study& study, const fs::path& file) {
-  if (study.experiment->leaves_time || file.extension() != ".csv") return;
   if (study.sensors.empty() || study.actuators.empty()) return;
-  modal::FrfSet set;
-  for (const auto& sensor : study.sensors) set.outputs.emplace_back().name = sensor.name;
-  for (const auto& actuator : study.actuators) set.inputs.emplace_back().name = actuator.name;
-  set.frequency_hz = Eigen::VectorXd::Ones(1);
-  set.value.assign(1, Eigen::MatrixXcd::Zero(set.output_count(), set.input_count()));
-  static_cast<void>(io::frf_csv(set));
+  recordings::TimeData data;
+  for (const auto& sensor : study.sensors) data.outputs.emplace_back().name = sensor.name;
+  for (const auto& actuator : study.actuators) data.inputs.emplace_back().name = actuator.name;
+  if (study.experiment->leaves_time) {
+    io::require_writable_time(file, std::move(data));
+  } else {
+    io::require_writable_frf(file, data.outputs, data.inputs);
+  }
 }
 
 void refuse_too_much(const study::Study& study) {

@@ -191,7 +191,7 @@ int sweep(const SweepCommand& command, std::ostream& results, std::ostream& said
           const Progress& progress) {
   require(command.threads >= 1, "a variant needs one thread or more");
   require(command.jobs >= 0, "the number of variants at a time is negative; expected 1 or more");
-  const sweep::Sweep sweep(study::read_sweep(command.plan), options_of(command));
+  const sweep::Sweep sweep(study::read_sweep(command.plan, !command.list), options_of(command));
   const auto list = wanted(command, sweep.size());
   if (command.list) {
     if (command.json) {

@@ -7,7 +7,9 @@
 #include <csignal>
 #include <exception>
 #include <string_view>
+#include <utility>
 
+#include "base/answered_interrupts.h"
 #include "base/error.h"
 
 namespace chladni {
@@ -22,6 +24,23 @@ static_assert(std::atomic<bool>::is_always_lock_free);
 constexpr unsigned kPatience = 3;  // s: how long a signal waits for the end of a long step
 std::atomic<int> long_steps = 0;
 std::atomic<bool> has_alarm = false;  // whether SIGALRM comes to `end`
+
+// Whether a noted signal stops the work only after a host has said so, and the host that is asked
+// in this thread.
+std::atomic<bool> waits_for_host = false;
+thread_local const AnsweredInterrupts::Stops* asked_host = nullptr;
+
+// Whether a signal has come and stops the work.
+bool stops() {
+  if (noted_signal == 0) return false;
+  if (!waits_for_host) return true;
+  if (asked_host == nullptr) return false;
+  const int signal = noted_signal.exchange(0);  // a further one is asked about anew
+  if (signal == 0 || !(*asked_host)()) return false;
+  waits_for_host = false;  // all threads stop from now on
+  noted_signal = signal;
+  return true;
+}
 
 // For the one who pressed Ctrl-C and sees nothing happen: a long step may still be at work.
 void say_what_a_second_does() {
@@ -97,14 +116,29 @@ NotedInterrupts::~NotedInterrupts() {
   if (unanswered) std::raise(SIGINT);
 }
 
-bool interrupted() { return noted_signal != 0; }
+AnsweredInterrupts::AnsweredInterrupts(Stops stops) : stops_(std::move(stops)) {
+  asked_before_ = std::exchange(asked_host, &stops_);
+  waits_before_ = waits_for_host.exchange(true);
+  noted_signal = 0;
+  const struct sigaction action = action_of(note_only);
+  sigaction(SIGINT, &action, &before_);
+}
+
+AnsweredInterrupts::~AnsweredInterrupts() {
+  sigaction(SIGINT, &before_, nullptr);
+  const bool is_answered = !waits_for_host;
+  asked_host = asked_before_;
+  waits_for_host = waits_before_;
+  if (noted_signal.exchange(0) != 0 && !is_answered) std::raise(SIGINT);
+}
+
+bool interrupted() { return stops(); }
 
 void forget_interrupt() { noted_signal = 0; }
 
 void throw_if_interrupted() {
+  if (!stops()) return;
   switch (noted_signal) {
-    case 0:
-      return;
     case SIGTERM:
       throw Interrupted("stopped by SIGTERM");
     case SIGQUIT:

@@ -48,7 +48,7 @@ DOORS = {
     r"zlib": ["io/bytes/gzip.cpp"],
     r"fftw3": ["recordings/estimate/fft.cpp"],
     r".*\.hxx": ["io/surface/step*.cpp"],
-    r"pybind11/": ["python/*.cpp", "python/*.h", "python/steps/*.cpp"],
+    r"pybind11/": ["python/*.cpp", "python/*.h", "python/*/*.cpp", "python/*/*.h"],
     r"nlopt": ["priors/gaussian_process/optimum.cpp"],
     r"toml": ["study/toml/study_source.cpp"],
     r"CLI/": ["app/main.cpp"],

@@ -10,14 +10,16 @@
 
 namespace chladni::diagnosis {
 
-/// Motion of the r modes at one place of the surface, along its normal. The slopes are along the
-/// axes of the chart; for thin bodies they are rotations of the material.
+/// Motion of the r modes at one place of the surface, along its normal and aside. The slopes of the
+/// first are along the axes of the chart; for thin bodies they are rotations of the material.
 struct PointMotion {
   Eigen::VectorXd shape;             ///< r [kg^-1/2]
   Eigen::VectorXd slope_u, slope_v;  ///< r [kg^-1/2 m^-1]
   /// u, or empty: φ/ω [kg^-1/2 s] and its slopes for modes far above the band, which yield
   /// statically.
   Eigen::VectorXd upper, upper_slope_u, upper_slope_v;
+  /// r×2 [kg^-1/2] and u×2: the same along the axes of the chart, or empty (Surface::directions).
+  Eigen::MatrixXd aside = Eigen::MatrixXd(0, 2), upper_aside = Eigen::MatrixXd(0, 2);
 };
 
 /// The c channels of one side.
@@ -44,6 +46,8 @@ struct Surface {
   Eigen::MatrixX2d places;  ///< n×2 [m]: places of the scan, evenly spread
   Eigen::VectorXd area;     ///< n [m²]
   Eigen::MatrixXd shapes;   ///< n×r, along the normal
+  /// 3: the motion of a place has its parts aside; 1: it is along the normal alone.
+  Eigen::Index directions = 1;
   /// The motion at any place on it; none for a place outside it.
   std::function<std::optional<PointMotion>(const Eigen::Vector2d&)> at;
   /// Whether `at` has a motion there, where that is cheaper to tell; or none.

@@ -56,6 +56,12 @@ struct Judgement {
                                                           ///< more modes
 };
 
+/// Whether complex shapes explain the data better than real ones, so that they are proposed: they
+/// leave less than a part of what real ones leave, or they alone reach the noise, with no more
+/// modes.
+/// @param complex, real  fits to these data
+[[nodiscard]] bool explain_more(const ModalFit& complex, const ModalFit& real, const FitData& data);
+
 /// "down to the noise", "good", "systematic errors", "not to be trusted".
 [[nodiscard]] const char* word(Trust trust);
 

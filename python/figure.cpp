@@ -12,9 +12,9 @@
 #include "app/command.h"
 #include "base/text_stream.h"
 #include "io/json.h"
-#include "python/long_call.h"
-#include "python/python_json.h"
+#include "python/calls/long_call.h"
 #include "python/rooms.h"
+#include "python/values/python_json.h"
 
 namespace chladni::python {
 namespace {

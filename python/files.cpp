@@ -18,11 +18,11 @@
 #include "io/frf_file.h"
 #include "io/measured_units.h"
 #include "io/time_file.h"
-#include "python/copies.h"
-#include "python/frf_arrays.h"
-#include "python/given.h"
-#include "python/long_call.h"
+#include "python/calls/long_call.h"
 #include "python/rooms.h"
+#include "python/values/copies.h"
+#include "python/values/frf_arrays.h"
+#include "python/values/given.h"
 #include "recordings/frf_estimate.h"
 #include "steps/identification.h"
 
@@ -130,6 +130,25 @@ std::shared_ptr<FrfFile> changed(const FrfFile& file, modal::FrfSet set) {
   return responses_with(file.format, std::move(set), file.notes);
 }
 
+std::shared_ptr<FrfFile> converted(const FrfFile& file, const std::string& quantity) {
+  auto result = changed(file, modal::converted(file.set, kind_called(quantity)));
+  if (result->set.line_count() < file.set.line_count()) {
+    result->notes.emplace_back("the line at 0 Hz is left out: it cannot be integrated");
+  }
+  return result;
+}
+
+// "SI" says the unit of what a channel measures, and not what that is.
+void require_quantities(const std::filesystem::path& file, const std::string& unit,
+                        const std::vector<MeasuredChannel>& outputs, const std::string& else_say) {
+  if (unit != io::kEachInSi) return;
+  for (const auto& one : outputs) {
+    require(!one.unit.empty(),
+            fmt::format("{}: unit=\"SI\": the file does not say what \"{}\" measures; expected {}",
+                        file.string(), one.name, else_say));
+  }
+}
+
 // The responses of recordings.
 // @param inputs  what they are, as the key of [measurement] says it
 std::shared_ptr<FrfFile> estimated(const TimeFile& file, double low_hz, double high_hz,
@@ -174,7 +193,10 @@ std::shared_ptr<FrfFile> read_frf(const std::filesystem::path& file, const std::
   options.length_unit = length_unit;
   if (quantity) options.kind = kind_called(*quantity);
   const LongCall call;
-  return std::make_shared<FrfFile>(io::read_frf(file, options));
+  auto read = std::make_shared<FrfFile>(io::read_frf(file, options));
+  require_quantities(file, unit, read->set.outputs,
+                     "a unit such as \"m/s^2\", a quantity, or a study that reads the file");
+  return read;
 }
 
 std::shared_ptr<TimeFile> read_time(const std::filesystem::path& file, const std::string& unit,
@@ -187,7 +209,10 @@ std::shared_ptr<TimeFile> read_time(const std::filesystem::path& file, const std
   options.sensor_names = sensors;
   options.actuator_names = actuators;
   const LongCall call;
-  return std::make_shared<TimeFile>(io::read_time(file, options));
+  auto read = std::make_shared<TimeFile>(io::read_time(file, options));
+  require_quantities(file, unit, read->data.outputs,
+                     "a unit such as \"m/s^2\", or a study that reads the file");
+  return read;
 }
 
 // What the format cannot hold.
@@ -269,12 +294,9 @@ void add_frf(py::module_& module) {
                  "Frequency responses, each lines x outputs x inputs, with e^{+jwt}.");
   add_frf_arrays(bound);
   bound
-      .def(
-          "converted",
-          [](const FrfFile& f, const std::string& quantity) {
-            return changed(f, modal::converted(f.set, kind_called(quantity)));
-          },
-          py::arg("quantity"), "Every output as displacement, velocity or acceleration.")
+      .def("converted", &converted, py::arg("quantity"),
+           "Every output as displacement, velocity or acceleration. A line at 0 Hz that cannot be "
+           "integrated is left out; a note says so.")
       .def(
           "band",
           [](const FrfFile& f, double low_hz, double high_hz) {

@@ -13,10 +13,10 @@
 
 #include "base/error.h"
 #include "identification/response_field.h"
-#include "python/frf_arrays.h"
-#include "python/given.h"
-#include "python/long_call.h"
+#include "python/calls/long_call.h"
 #include "python/rooms.h"
+#include "python/values/frf_arrays.h"
+#include "python/values/given.h"
 
 namespace chladni::python {
 namespace {

@@ -10,11 +10,11 @@
 #include "base/interrupt.h"
 #include "modal/control_model.h"
 #include "modal/mac.h"
-#include "python/copies.h"
-#include "python/frf_arrays.h"
-#include "python/given.h"
-#include "python/long_call.h"
+#include "python/calls/long_call.h"
 #include "python/rooms.h"
+#include "python/values/copies.h"
+#include "python/values/frf_arrays.h"
+#include "python/values/given.h"
 
 namespace chladni::python {
 namespace {

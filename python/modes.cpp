@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "io/frf_file.h"
-#include "python/given.h"
 #include "python/modes_result.h"
 #include "python/rooms.h"
+#include "python/values/given.h"
 #include "show/report.h"
 #include "show/solution.h"
 #include "stage/at_channels.h"

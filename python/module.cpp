@@ -11,8 +11,9 @@
 #include "host/descriptor.h"
 #include "host/parallel.h"
 #include "host/worker.h"
-#include "python/copies.h"
+#include "python/calls/long_call.h"
 #include "python/rooms.h"
+#include "python/values/copies.h"
 #include "show/version.h"
 
 namespace chladni::python {
@@ -48,12 +49,12 @@ void need_numpy() {
   }
 }
 
-// Turns Ctrl-C in a long call into Python's KeyboardInterrupt, and the error of a path into ours.
+// Turns Ctrl-C in a long call into what Python raises then, and the error of a path into ours.
 void translate_others(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const Interrupted& stopped) {
-    PyErr_SetString(PyExc_KeyboardInterrupt, stopped.what());
+    set_error_of_signal(stopped.what());
   } catch (const fs::filesystem_error& fault) {
     throw_path_error(fault);  // pybind11 asks the other translators about it
   }

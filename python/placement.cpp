@@ -11,10 +11,10 @@
 #include "placement/best_layouts.h"
 #include "placement/best_pairs.h"
 #include "placement/criteria.h"
-#include "python/given.h"
-#include "python/long_call.h"
+#include "python/calls/long_call.h"
 #include "python/rooms.h"
-#include "python/seed.h"
+#include "python/values/given.h"
+#include "python/values/seed.h"
 
 namespace chladni::python {
 namespace {

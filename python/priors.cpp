@@ -4,9 +4,9 @@
 #include <pybind11/stl.h>
 
 #include "priors/interpolator.h"
-#include "python/given.h"
-#include "python/long_call.h"
+#include "python/calls/long_call.h"
 #include "python/rooms.h"
+#include "python/values/given.h"
 
 namespace chladni::python {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "io/json.h"
-#include "python/python_work.h"
+#include "python/calls/python_work.h"
 #include "show/run.h"
 
 namespace chladni::python {

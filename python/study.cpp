@@ -8,9 +8,9 @@
 
 #include "base/text_stream.h"
 #include "python/modes_result.h"
-#include "python/python_json.h"
 #include "python/result.h"
 #include "python/rooms.h"
+#include "python/values/python_json.h"
 #include "show/solution.h"
 #include "steps/checked.h"
 #include "steps/expectations.h"

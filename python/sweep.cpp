@@ -5,9 +5,9 @@
 
 #include "app/sweep.h"
 #include "base/text_stream.h"
-#include "python/python_json.h"
-#include "python/python_work.h"
+#include "python/calls/python_work.h"
 #include "python/rooms.h"
+#include "python/values/python_json.h"
 
 namespace chladni::python {
 namespace {

@@ -41,6 +41,12 @@ struct Readable {
   return size >= 99.5 && size < 1e6 ? fmt::format("{:.0f}", value) : fmt::format("{:.2g}", value);
 }
 
+/// A standard deviation in this format of fmt; "unknown" where it is not finite.
+[[nodiscard]] inline std::string deviation_text(double deviation,
+                                                std::string_view format = "{:.2g}") {
+  return std::isfinite(deviation) ? fmt::format(fmt::runtime(format), deviation) : "unknown";
+}
+
 /// "1 sensor", "2 sensors".
 [[nodiscard]] inline std::string how_many(std::ptrdiff_t count, std::string_view thing) {
   return fmt::to_string(count) + " " + std::string(thing) + (count == 1 ? "" : "s");

@@ -63,7 +63,8 @@ struct SweepPlan {
 [[nodiscard]] TomlNode value_on(const AxisRange& range, double share);
 
 /// Reads a plan (docs/reference/sweeps.md). Its base lies anywhere.
+/// @param gathers  results are gathered: the plan needs one
 /// @throws InvalidInput  cannot be read, or is no plan: all that is wrong, each with its line
-[[nodiscard]] SweepPlan read_sweep(const std::filesystem::path& file);
+[[nodiscard]] SweepPlan read_sweep(const std::filesystem::path& file, bool gathers = true);
 
 }  // namespace chladni::study

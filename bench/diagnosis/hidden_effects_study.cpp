@@ -40,6 +40,7 @@ simulators::HiddenOptions options_of(const Arguments& wanted, const std::string&
   auto options = wanted.hidden;
   options.rig = rig;
   // structure_of takes the modes up to three times the band.
+  options.on_face = wanted.fe || wanted.answer;
   if (wanted.fe) options.above_hz = 3.0 * simulators::rig_named(rig, options.degree).high_hz;
   return options;
 }

@@ -32,6 +32,22 @@ Attached attached_to(const Structure& structure, const std::optional<PointMotion
   return one;
 }
 
+Attached mass_attached_to(const Structure& structure, const std::optional<PointMotion>& motion,
+                          double mass) {
+  Attached one = attached_to(structure, motion);
+  one.mass = mass;
+  const Eigen::Index aside = structure.surface.directions - 1;
+  if (aside == 0) return one;
+  // Outside the surface, too: one place has as many displacements as another.
+  one.shapes.conservativeResizeLike(Eigen::MatrixXd::Zero(one.shapes.rows(), 1 + aside));
+  if (!motion) return one;
+  one.shapes.rightCols(aside) = motion->aside;
+  if (one.upper.size() == 0) return one;
+  one.upper.conservativeResize(Eigen::NoChange, 1 + aside);
+  one.upper.rightCols(aside) = motion->upper_aside;
+  return one;
+}
+
 std::vector<Parameter> oscillator_parameters(double mass_kg, double frequency_hz, double width) {
   return {{.name = "mass",
            .unit = "kg",

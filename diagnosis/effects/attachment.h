@@ -22,6 +22,10 @@ inline constexpr double kHungError = 0.005;
 /// The same for a known motion of the place; none: outside the surface.
 [[nodiscard]] Attached attached_to(const Structure& structure,
                                    const std::optional<PointMotion>& motion);
+/// A mass [kg] at a place, which moves with it along the normal, the first of its displacements,
+/// and aside, where the motion of the surface has these parts.
+[[nodiscard]] Attached mass_attached_to(const Structure& structure,
+                                        const std::optional<PointMotion>& motion, double mass);
 /// A mass on a spring and a dashpot, from the coordinates ln mass, ln frequency, ln damping ratio.
 struct Oscillator {
   double mass = 0.0, damping = 0.0, stiffness = 0.0;

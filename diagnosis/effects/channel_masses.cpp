@@ -37,8 +37,8 @@ std::function<void(State&)> carrying(const Structure& structure, Index /*option*
                                      const VectorXd& x) {
   std::vector<Attached> all;
   for (const auto place : channels_of<side>(structure).places.rowwise()) {
-    all.push_back(attached_at(structure, place(0), place(1)));
-    all.back().mass = x(0);
+    const auto motion = structure.surface.at(place.transpose());
+    all.push_back(mass_attached_to(structure, motion, x(0)));
   }
   return [all = std::move(all)](State& state) {
     state.attached.insert(state.attached.end(), all.begin(), all.end());

@@ -32,8 +32,7 @@ void hang_inertia(State& state, const Structure& structure, Eigen::Index /*optio
                   const VectorXd& x) {
   const auto motion = structure.surface.at({x(2), x(3)});
   const Eigen::Index r = structure.mode_count();
-  Attached mass = attached_to(structure, motion);
-  mass.mass = std::exp(x(0));
+  Attached mass = mass_attached_to(structure, motion, std::exp(x(0)));
   Attached inertia;
   inertia.mass = mass.mass * std::exp(2.0 * x(1));
   inertia.shapes = Eigen::MatrixXd::Zero(r, 2);

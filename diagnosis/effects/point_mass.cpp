@@ -20,9 +20,7 @@ std::vector<Parameter> mass_and_place(const Structure& structure) {
 
 void hang_mass(State& state, const Structure& structure, Eigen::Index /*option*/,
                const VectorXd& x) {
-  Attached one = attached_at(structure, x(1), x(2));
-  one.mass = x(0);
-  state.attached.push_back(std::move(one));
+  state.attached.push_back(mass_attached_to(structure, structure.surface.at({x(1), x(2)}), x(0)));
 }
 
 // From a hundred-thousandth to a third of the body, and the same negative.
@@ -40,7 +38,7 @@ std::vector<EffectStart> mass_weights(const Scene& scene) {
 constinit const Effect point_mass{
     .name = "point_mass",
     .summary = "a mass on the body that the model lacks (negative: missing material)",
-    .source = "s^2 m at a place, Woodbury",
+    .source = "s^2 m at a place in all its directions, Woodbury",
     .confusable = "a resonator far above the band; stiffness lost under it",
     .parameters = mass_and_place,
     .options = has_surface,

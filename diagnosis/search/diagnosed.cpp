@@ -19,7 +19,7 @@
 #include "diagnosis/search/scene.h"
 #include "diagnosis/search/simpler.h"
 #include "diagnosis/verdict/constants_fitted.h"
-#include "diagnosis/verdict/cross_validated.h"
+#include "diagnosis/verdict/held_out/cross_validated.h"
 #include "diagnosis/verdict/last_fits.h"
 #include "diagnosis/verdict/measure_next.h"
 #include "diagnosis/verdict/nonlinearity.h"

@@ -10,7 +10,7 @@
 #include "diagnosis/fit/information.h"
 #include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/search/probe.h"
-#include "diagnosis/verdict/part_misfit.h"
+#include "diagnosis/verdict/held_out/part_misfit.h"
 
 namespace chladni::diagnosis {
 namespace {

@@ -116,13 +116,15 @@ Scene::Touched Scene::touched(const Attached& attached) const {
     matrix.conservativeResize(matrix.rows() + 1, row.size());
     matrix.bottomRows(1) = row.transpose();
   };
-  const Eigen::VectorXd upper = attached.upper.rows() == above ? Eigen::VectorXd(attached.upper)
-                                                               : Eigen::VectorXd::Zero(above);
-  with_row(probe.outputs, attached.shapes);
+  const Eigen::VectorXd shape = attached.shapes.col(0);
+  const Eigen::VectorXd upper = attached.upper.rows() == above && above > 0
+                                    ? Eigen::VectorXd(attached.upper.col(0))
+                                    : Eigen::VectorXd::Zero(above);
+  with_row(probe.outputs, shape);
   with_row(probe.output_upper, upper);
   with_row(probe.input_upper, upper);
   probe.inputs.conservativeResize(Eigen::NoChange, q + 1);
-  probe.inputs.col(q) = attached.shapes;
+  probe.inputs.col(q) = shape;
   probe.residual = probe.output_upper * probe.input_upper.transpose();
   probe.output_paths.resize(static_cast<std::size_t>(p + 1));
   probe.input_paths.resize(static_cast<std::size_t>(q + 1));
@@ -132,7 +134,7 @@ Scene::Touched Scene::touched(const Attached& attached) const {
   probe.stiffening.resize(0);
   const Solved seen = solved(probe, body_);
   Touched touch;
-  touch.shape = attached.shapes;
+  touch.shape = shape;
   touch.to.resize(p, observed_.line_count());
   touch.from.resize(q, observed_.line_count());
   touch.own.resize(observed_.line_count());
@@ -145,13 +147,12 @@ Scene::Touched Scene::touched(const Attached& attached) const {
   return touch;
 }
 
-// True if only channels, paths, the residual, one more frame or one more single attachment differ.
+// True if only channels, paths, the residual, one more frame or one more attachment differ.
 bool Scene::near(const State& changed) const {
   const std::size_t more = changed.attached.size() - state_.attached.size();
   const bool drifts_alike = changed.stiffening.size() == state_.stiffening.size() &&
                             changed.stiffening == state_.stiffening;
-  return body_.same(changed) && drifts_alike && more <= 1 &&
-         (more == 0 || changed.attached.back().shapes.cols() == 1);
+  return body_.same(changed) && drifts_alike && more <= 1;
 }
 
 bool Scene::is_cheap(const Supposed& cause) const {
@@ -160,6 +161,7 @@ bool Scene::is_cheap(const Supposed& cause) const {
   return near(changed);
 }
 
+// A mass counts along the normal only, the first of its displacements: the fit takes them all.
 double Scene::quick_misfit(const State& changed, Touched& touch) const {
   const Attached* more =
       changed.attached.size() > state_.attached.size() ? &changed.attached.back() : nullptr;

@@ -97,8 +97,11 @@ std::string measure_next(const Problem& problem, const Found& found, const Diagn
   const auto& rival = *std::ranges::max_element(diagnosis.rivals, {}, &Explanation::probability);
   const bool is_believed = diagnosis.verdict != Verdict::unexplained;
   if (is_believed && best.probability > std::exp(kConstants.next_enough) * rival.probability) {
-    return "nothing is left to tell apart: mend what is named, in the study or on the structure, "
-           "and compare again";
+    return diagnosis.verdict == Verdict::partial
+               ? "no measurement tells more of what is named: mend that first, in the study or on "
+                 "the structure, and compare again; what is left may then have a name"
+               : "nothing is left to tell apart: mend what is named, in the study or on the "
+                 "structure, and compare again";
   }
   return measure_next(problem, found.fits[best.fit], found.fits[rival.fit]);
 }

@@ -109,8 +109,7 @@ void look_at_complex_shapes(const Identified& found, const FitData& data,
     const auto other = identified(data, options);
     const ComplexAlternative complex{noise_level(other.fit, data), other.fit.flexible_count(),
                                      found.fit.flexible_count()};
-    if (complex.modes <= complex.instead &&
-        complex.level < Constants::complex_pays * judgement.level) {
+    if (complex.modes <= complex.instead && explain_more(other.fit, found.fit, data)) {
       judgement.with_complex_shapes = complex;
     }
   } catch (const InvalidInput&) {  // they explain nothing: real shapes stay
@@ -136,6 +135,14 @@ Trust verdict(const ModalFit& fit, const FitData& data, const Judgement& judgeme
 }
 
 }  // namespace
+
+bool explain_more(const ModalFit& complex, const ModalFit& real, const FitData& data) {
+  const bool alone_reach_noise = data.noise_known && complex.excess() <= Constants::no_chance &&
+                                 real.excess() > Constants::no_chance &&
+                                 complex.flexible_count() <= real.flexible_count();
+  return alone_reach_noise ||
+         noise_level(complex, data) < Constants::complex_pays * noise_level(real, data);
+}
 
 const char* word(Trust trust) {
   constexpr std::array kWords{"down to the noise", "good", "systematic errors",

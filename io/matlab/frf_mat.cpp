@@ -126,6 +126,7 @@ class Reader {
         "output_unit", "OutputUnit", "output_node", "output_direction", "output_position",
         "input_unit",  "InputUnit",  "input_node",  "input_direction",  "input_position",
         "kind",        "InputDelay", "OutputDelay", "IODelay"};
+    if (says_dimensions()) others.insert("dimensions");
     if (is_frd_)
       others.insert(
           {"InputGroup", "OutputGroup", "Ts", "Notes", "UserData", "Name", "SamplingGrid"});
@@ -181,14 +182,33 @@ class Reader {
     const bool first = dims[0] == k, last = dims[2] == k;
     require(first || last, found + "; expected " + fmt::to_string(k) + " lines first or last");
     const bool both = first && last;
-    const bool names_say = fits(dims[1], dims[2]) != fits(dims[0], dims[1]);
-    require(!both || names_say, found +
-                                    ": lines may be first or last; give output_names and "
-                                    "input_names, or another number of lines");
-    if (both ? fits(dims[1], dims[2]) : first) {
+    if (both ? lines_stand_first(dims, found) : first) {
       return {k, dims[1], dims[2], 1, k, k * dims[1]};
     }
     return {k, dims[0], dims[1], dims[0] * dims[1], 1, dims[0]};
+  }
+
+  // Whether the first of three dimensions is that of the lines, where the last one may be, too.
+  [[nodiscard]] bool lines_stand_first(const std::vector<Index>& dims,
+                                       const std::string& found) const {
+    const bool by_names = fits(dims[1], dims[2]);
+    if (says_dimensions()) return says_dimensions(kLinesFirst);
+    const bool is_one_number = dims[0] * dims[1] == 1;
+    require(is_one_number || by_names != fits(dims[0], dims[1]),
+            found + ": lines may be first or last; give output_names and input_names, another " +
+                "number of lines, or dimensions = \"" + kLinesLast + "\"");
+    return by_names;
+  }
+
+  // Whether the file has a variable `dimensions` with this text. Programs may mean other things by
+  // that name.
+  [[nodiscard]] bool says_dimensions(std::string_view text) const {
+    const auto* said = mat_value(fields_, {"dimensions"});
+    return said != nullptr && said->kind == MatValue::Kind::text && said->text.size() == 1 &&
+           said->text.front() == text;
+  }
+  [[nodiscard]] bool says_dimensions() const {
+    return says_dimensions(kLinesFirst) || says_dimensions(kLinesLast);
   }
 
   // Whether these numbers of outputs and inputs agree with the given names.

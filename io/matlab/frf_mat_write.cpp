@@ -30,6 +30,8 @@ MatFields mat_of_frf(const modal::FrfSet& set) {
   fields.emplace_back(
       "H", MatValue(dims, flat(set.value, [](const auto& value) { return value.real(); }),
                     flat(set.value, [](const auto& value) { return value.imag(); })));
+  const bool is_cube = dims[0] == dims[1] && dims[1] == dims[2] && dims[2] > 1;
+  if (is_cube) fields.emplace_back("dimensions", std::string(kLinesLast));
   const auto itself = [](double value) { return value; };
   const auto add = [&](const char* name, const std::vector<Eigen::MatrixXd>& of) {
     if (!of.empty()) fields.emplace_back(name, MatValue(dims, flat(of, itself)));

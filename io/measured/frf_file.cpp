@@ -37,21 +37,21 @@ FrfFile read_frf(const Path& file, const FrfOptions& options) {
 }
 
 std::vector<std::string> write_frf(const Path& file, const modal::FrfSet& set, MatVersion version) {
-  switch (written_format(file)) {
-    case MeasuredFormat::csv:
-      write_atomically(file, frf_csv(set));
-      return lost_in_csv({&set.outputs, &set.inputs});
-    case MeasuredFormat::uff: {
-      std::vector<std::string> lost;
-      write_atomically(file, frf_uff(set, UffEncoding::binary, lost));
-      return lost;
-    }
-    case MeasuredFormat::mat:
-      write_mat(file, mat_of_frf(set), version);
-      return {};
-    default:
-      refuse_ending(file);
-  }
+  using Lost = std::vector<std::string>;
+  const auto csv = [&] {
+    write_atomically(file, frf_csv(set));
+    return lost_in_csv({&set.outputs, &set.inputs});
+  };
+  const auto uff = [&] {
+    Lost lost;
+    write_atomically(file, frf_uff(set, UffEncoding::binary, lost));
+    return lost;
+  };
+  const auto mat = [&] {
+    write_mat(file, mat_of_frf(set), version);
+    return Lost{};
+  };
+  return in_written_format(file, csv, uff, mat);
 }
 
 }  // namespace chladni::io

@@ -156,6 +156,8 @@ std::optional<MotionUnit> motion_unit(std::string_view word) {
   return std::nullopt;
 }
 
+std::string si_unit_of(modal::FrfKind kind) { return kMotion[static_cast<std::size_t>(kind)]; }
+
 MotionUnit stated_unit(std::string_view word) {
   if (word == kEachInSi) return {};
   const auto unit = bare_unit(word);
@@ -303,7 +305,7 @@ void state_unit(FrfFile& file, std::size_t i, const Stated& unit, bool kind_know
   if (options.kind) output.kind = *options.kind;
   if (!output.unit.empty()) return;
   if (options.unit == kEachInSi) {
-    if (kind_known || options.kind) output.unit = kMotion[static_cast<std::size_t>(output.kind)];
+    if (kind_known || options.kind) output.unit = si_unit_of(output.kind);
     return;
   }
   const auto kind = options.kind ? options.kind : unit.output.kind;

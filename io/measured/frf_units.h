@@ -11,6 +11,9 @@
 
 namespace chladni::io {
 
+/// "m", "m/s" or "m/s^2".
+[[nodiscard]] std::string si_unit_of(modal::FrfKind kind);
+
 /// As `motion_unit`, of a word by which the user states what a file does not: also in brackets,
 /// "[mm]". A unit of another kind of sensor ("V", "Pa") is kept with the factor 1, and so is "".
 /// kEachInSi stands without brackets and gives "", too.

@@ -20,6 +20,23 @@ enum class MeasuredFormat { csv, uff, mat, none };
 /// @throws InvalidInput  always; lists the possible endings
 [[noreturn]] void refuse_ending(const std::filesystem::path& file);
 
+/// What the function of the format of a file to be written returns; all three return the same type.
+/// @throws InvalidInput  as written_format, another ending; what the function throws
+template <typename Csv, typename Uff, typename Mat>
+auto in_written_format(const std::filesystem::path& file, const Csv& csv, const Uff& uff,
+                       const Mat& mat) {
+  switch (written_format(file)) {
+    case MeasuredFormat::csv:
+      return csv();
+    case MeasuredFormat::uff:
+      return uff();
+    case MeasuredFormat::mat:
+      return mat();
+    default:
+      refuse_ending(file);
+  }
+}
+
 /// The bytes of the file, unpacked if it is compressed by gzip.
 /// @param limit  bytes of memory for the content of the file
 /// @throws InvalidInput  the file cannot be read, is damaged, or is larger than the limit allows

@@ -22,21 +22,21 @@ TimeFile read_time(const std::filesystem::path& file, const TimeOptions& options
 
 std::vector<std::string> write_time(const std::filesystem::path& file,
                                     const recordings::TimeData& data, MatVersion version) {
-  switch (written_format(file)) {
-    case MeasuredFormat::csv:
-      write_atomically(file, time_csv(data));
-      return lost_in_csv({&data.outputs, &data.inputs, &data.references});
-    case MeasuredFormat::uff: {
-      std::vector<std::string> lost;
-      write_atomically(file, time_uff(data, UffEncoding::binary, lost));
-      return lost;
-    }
-    case MeasuredFormat::mat:
-      write_mat(file, mat_of_time(data), version);
-      return {};
-    default:
-      refuse_ending(file);
-  }
+  using Lost = std::vector<std::string>;
+  const auto csv = [&] {
+    write_atomically(file, time_csv(data));
+    return lost_in_csv({&data.outputs, &data.inputs, &data.references});
+  };
+  const auto uff = [&] {
+    Lost lost;
+    write_atomically(file, time_uff(data, UffEncoding::binary, lost));
+    return lost;
+  };
+  const auto mat = [&] {
+    write_mat(file, mat_of_time(data), version);
+    return Lost{};
+  };
+  return in_written_format(file, csv, uff, mat);
 }
 
 }  // namespace chladni::io

@@ -169,6 +169,14 @@ class Collector {
     channel.unit = scale.unit;
   }
 
+  // The scale of an output. Where the user says that each is in SI, the motion states its unit.
+  [[nodiscard]] UffScale output_scale(const UffFunction& function) const {
+    auto scale = motion_scale(function);
+    const bool is_in_si = options_.unit == kEachInSi && !options_.kind;
+    if (is_in_si && scale.kind && scale.unit.empty()) scale.unit = si_unit_of(*scale.kind);
+    return scale;
+  }
+
   void fill() {
     file_.set.value = empty_lines(std::complex<double>(kNan, kNan));
     std::map<std::pair<Index, Index>, const UffFunction*> seen;
@@ -180,7 +188,7 @@ class Collector {
         repeated(*other->second, *function);
         continue;
       }
-      const auto output = motion_scale(*function);
+      const auto output = output_scale(*function);
       const auto input = input_scale(*function);
       auto& known = of_output[static_cast<std::size_t>(i)];
       if (known && (known->kind != output.kind || known->unit != output.unit)) {

@@ -1,4 +1,5 @@
 // Writes measured responses to a universal file.
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -48,9 +49,33 @@ UffAxis force_axis(const modal::MeasuredChannel& channel) {
   return axis;
 }
 
+bool is_measured(const modal::FrfSet& set, Index i, Index j) {
+  return std::ranges::any_of(
+      set.value, [&](const Eigen::MatrixXcd& line) { return !std::isnan(line(i, j).real()); });
+}
+
+// A channel stands in a universal file with its responses alone.
+void note_unmeasured(const modal::FrfSet& set, std::vector<std::string>& lost) {
+  Eigen::MatrixX<bool> measured(set.output_count(), set.input_count());
+  for (Index i = 0; i < measured.rows(); ++i) {
+    for (Index j = 0; j < measured.cols(); ++j) measured(i, j) = is_measured(set, i, j);
+  }
+  const auto note = [&](const modal::MeasuredChannel& channel) {
+    lost.push_back("UFF holds no channel without a measured response: " + channel.name +
+                   " is left out");
+  };
+  for (Index i = 0; i < measured.rows(); ++i) {
+    if (!measured.row(i).any()) note(set.outputs[static_cast<std::size_t>(i)]);
+  }
+  for (Index j = 0; j < measured.cols(); ++j) {
+    if (!measured.col(j).any()) note(set.inputs[static_cast<std::size_t>(j)]);
+  }
+}
+
 // The datasets of a response and its coherence; empty where the response was not measured.
 std::string pair_datasets(const modal::FrfSet& set, Index i, Index j, UffFunction function,
                           UffEncoding encoding) {
+  if (!is_measured(set, i, j)) return {};
   const auto& output = set.outputs[static_cast<std::size_t>(i)];
   const auto& input = set.inputs[static_cast<std::size_t>(j)];
   function.id[3] = std::string(kResponseName) + output.name;
@@ -59,12 +84,9 @@ std::string pair_datasets(const modal::FrfSet& set, Index i, Index j, UffFunctio
   function.is_complex = true;
   function.ordinate = motion_axis(output);
   function.denominator = force_axis(input);
-  bool measured = false;
   for (Index k = 0; k < set.line_count(); ++k) {
     function.y(k) = set.value[static_cast<std::size_t>(k)](i, j);
-    measured = measured || !std::isnan(function.y(k).real());
   }
-  if (!measured) return {};
   std::string text = uff_dataset(function, encoding);
   if (set.coherence.empty()) return text;
   function.type = 6;
@@ -95,6 +117,7 @@ std::string frf_uff(const modal::FrfSet& set, UffEncoding encoding,
   for (const auto& output : set.outputs) require_name(output);
   for (const auto& input : set.inputs) require_name(input);
   note_variances(set, lost);
+  note_unmeasured(set, lost);
   const UffSides sides{&set.outputs, &set.inputs};
   const auto dofs = dofs_of(sides);
   std::string text = uff_head("measured frequency responses", places_of(sides, dofs, lost));

@@ -103,7 +103,8 @@ class Quantity:
 
     def __str__(self):
         unit = "" if self.unit == "1" else f" {self.unit}"
-        return f"{self.value:.6g} +- {self.std:.2g}{unit}"
+        known = self.std is not None and np.isfinite(self.std)
+        return f"{self.value:.6g} +- {f'{self.std:.2g}' if known else 'unknown'}{unit}"
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

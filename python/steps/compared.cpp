@@ -4,9 +4,9 @@
 #include <pybind11/stl.h>
 
 #include "io/frf_file.h"
-#include "python/frf_arrays.h"
 #include "python/result.h"
 #include "python/rooms.h"
+#include "python/values/frf_arrays.h"
 #include "show/compared.h"
 #include "steps/compared.h"
 

@@ -5,10 +5,10 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "io/frf_file.h"
-#include "python/frf_arrays.h"
-#include "python/python_json.h"
 #include "python/result.h"
 #include "python/rooms.h"
+#include "python/values/frf_arrays.h"
+#include "python/values/python_json.h"
 #include "show/diagnosis.h"
 #include "show/report.h"
 #include "show/specimens.h"

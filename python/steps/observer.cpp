@@ -3,9 +3,9 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include "python/given.h"
 #include "python/result_of_modes.h"
 #include "python/rooms.h"
+#include "python/values/given.h"
 #include "show/observer.h"
 #include "steps/observed.h"
 #include "steps/predicted.h"

@@ -7,9 +7,9 @@
 #include <iterator>
 
 #include "placement/criteria.h"
-#include "python/python_json.h"
 #include "python/result_of_modes.h"
 #include "python/rooms.h"
+#include "python/values/python_json.h"
 #include "show/placement.h"
 #include "show/priors.h"
 #include "steps/placement.h"

@@ -6,6 +6,7 @@
 
 #include "base/percent.h"
 #include "show/comparison.h"
+#include "show/readable.h"
 #include "show/solution.h"
 
 namespace chladni::show {
@@ -18,11 +19,13 @@ using diagnosis::ResponseComparison;
 std::string row(const diagnosis::ModeDifference& pair) {
   return fmt::format(
       "{:>12.3f} {:>24} {:>20} {:>10.5f} {:>22} {:>7.3f} {}\n", pair.simulated_hz,
-      fmt::format("{:.4f} +- {:.2g}", pair.measured_hz, pair.measured_std_hz),
-      fmt::format("{:+.3f} +- {:.1g} %", 100.0 * pair.change, 100.0 * pair.change_std),
+      fmt::format("{:.4f} +- {}", pair.measured_hz, deviation_text(pair.measured_std_hz)),
+      fmt::format("{:+.3f} +- {} %", 100.0 * pair.change,
+                  deviation_text(100.0 * pair.change_std, "{:.1g}")),
       pair.simulated_damping,
-      fmt::format("{:.6f} +- {:.1g}", pair.measured_damping, pair.measured_damping_std), pair.mac,
-      pair.by_shape ? "shape" : "frequency");
+      fmt::format("{:.6f} +- {}", pair.measured_damping,
+                  deviation_text(pair.measured_damping_std, "{:.1g}")),
+      pair.mac, pair.by_shape ? "shape" : "frequency");
 }
 
 std::string modes_text(const ModeComparison& modes) {

@@ -19,7 +19,7 @@ std::string value(const CalibratedNumber& one, double number) {
 
 std::string value_and_std(const CalibratedNumber& one) {
   const auto [scale, unit] = readable_constant(one.unit, one.of_study);
-  return fmt::format("{:.4g} \u00b1 {:.2g}{}{}", scale * one.value, scale * one.std,
+  return fmt::format("{:.4g} \u00b1 {}{}{}", scale * one.value, deviation_text(scale * one.std),
                      unit.empty() ? "" : " ", unit);
 }
 

@@ -17,6 +17,7 @@
 #include "show/diagnosis/gain_told.h"
 #include "show/diagnosis/left_told.h"
 #include "show/diagnosis/modes_told.h"
+#include "show/readable.h"
 #include "show/solution.h"
 #include "steps/diagnosis.h"
 
@@ -35,7 +36,7 @@ io::Table modes_table(const diagnosis::ModeComparison& modes) {
   for (const auto& pair : modes.pairs) {
     table.rows.push_back(
         {{fmt::format("{:.2f}", pair.simulated_hz), fmt::format("{:.3f}", pair.measured_hz),
-          fmt::format("{:.2g}", pair.measured_std_hz), fmt::format("{:+.3f}", 100.0 * pair.change),
+          deviation_text(pair.measured_std_hz), fmt::format("{:+.3f}", 100.0 * pair.change),
           fmt::format("{:.3f}", pair.mac), pair.by_shape ? "shape" : "frequency"}});
   }
   return table;

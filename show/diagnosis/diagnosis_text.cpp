@@ -24,8 +24,8 @@ constexpr double kTold = 1e-3;  // probability; less likely rivals get no line
 // A value with its standard deviation, in a readable unit.
 std::string quantity(const diagnosis::CauseParameter& one) {
   const auto [scale, unit] = readable(one.name, one.unit, one.value);
-  return fmt::format("{} {:.4g} +- {:.2g}{}{}", one.name, scale * one.value, scale * one.std,
-                     unit.empty() ? "" : " ", unit);
+  return fmt::format("{} {:.4g} +- {}{}{}", one.name, scale * one.value,
+                     deviation_text(scale * one.std), unit.empty() ? "" : " ", unit);
 }
 
 std::string explanation_text(const diagnosis::Explanation& one) {

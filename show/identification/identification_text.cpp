@@ -232,7 +232,8 @@ void add_what_some_have(const study::Study& study, const steps::IdentifiedModel&
 
 std::string gain_text(const identification::ModeMatch& match) {
   if (match.by == identification::MatchedBy::nothing) return "unknown";
-  return fmt::format("{}{:.4g} +- {:.2g}", match.sign < 0 ? "-" : "", match.alpha, match.alpha_std);
+  return fmt::format("{}{:.4g} +- {}", match.sign < 0 ? "-" : "", match.alpha,
+                     deviation_text(match.alpha_std));
 }
 
 // Model error over the band: at the median line, and the largest.
@@ -254,12 +255,12 @@ io::ResultTable identified_modes_table(const steps::IdentifiedModel& model) {
   for (Eigen::Index m = 0; m < modes.mode_count(); ++m) {
     const bool is_rigid = m < modes.rigid_count;
     number.push_back(fmt::to_string(m + 1));
-    frequency.push_back(
-        is_rigid ? "0, rigid body"
-                 : fmt::format("{:.4f} +- {:.2g}", modes.frequency_hz(m), fit.frequency_std_hz(m)));
-    damping.push_back(
-        is_rigid ? ""
-                 : fmt::format("{:.6f} +- {:.2g}", modes.damping_ratio(m), fit.damping_std(m)));
+    frequency.push_back(is_rigid ? "0, rigid body"
+                                 : fmt::format("{:.4f} +- {}", modes.frequency_hz(m),
+                                               deviation_text(fit.frequency_std_hz(m))));
+    damping.push_back(is_rigid ? ""
+                               : fmt::format("{:.6f} +- {}", modes.damping_ratio(m),
+                                             deviation_text(fit.damping_std(m))));
     gain.push_back(gain_text(model.match.modes[static_cast<std::size_t>(m)]));
     rigid.emplace_back(is_rigid);
   }
@@ -299,7 +300,8 @@ std::string identification_table(const steps::IdentifiedModel& model) {
   text += fmt::format("\nresponses off by {} of their size, {}",
                       percent(steps::overall_error(model)), noise_text(model));
   if (fit.delay_std_s > 0.0) {
-    text += fmt::format("; delay {:.2f} +- {:.2g} us", 1e6 * fit.delay_s, 1e6 * fit.delay_std_s);
+    text += fmt::format("; delay {:.2f} +- {} us", 1e6 * fit.delay_s,
+                        deviation_text(1e6 * fit.delay_std_s));
   }
   const std::string noise_is = data.noise_known               ? ""
                                : !data.weights_are_deviations ? " (as if the weights were those of "
@@ -307,8 +309,8 @@ std::string identification_table(const steps::IdentifiedModel& model) {
                                : data.noise_stated            ? model_error_text(model)
                                                    : " (noise estimated from the lines' scatter, "
                                                      "and the error that the model may have)";
-  text += fmt::format("\ncost {:.5g}, of noise alone {:.5g} +- {:.2g}{}\n", fit.cost,
-                      fit.expected_cost, fit.cost_deviation, noise_is);
+  text += fmt::format("\ncost {:.5g}, of noise alone {:.5g} +- {}{}\n", fit.cost, fit.expected_cost,
+                      deviation_text(fit.cost_deviation), noise_is);
   return text + validation_text(model) + trust_text(model);
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "show/readable.h"
 #include "show/rigid_body.h"
 
 namespace chladni::show {
@@ -14,9 +15,8 @@ constexpr std::array<const char*, 3> kAxisNames{"x", "y", "z"};
 // "12.3 +- 0.4", or "-" for what is not told.
 std::string with_deviation(double value, double deviation) {
   if (std::isnan(value)) return "-";
-  if (!std::isfinite(deviation)) return fmt::format("{:.4g} +- unknown", value);
-  return deviation > 0.0 ? fmt::format("{:.4g} +- {:.2g}", value, deviation)
-                         : fmt::format("{:.4g}", value);
+  if (deviation <= 0.0) return fmt::format("{:.4g}", value);
+  return fmt::format("{:.4g} +- {}", value, deviation_text(deviation));
 }
 
 std::string properties_text(const identification::RigidProperties& body) {

@@ -7,6 +7,7 @@
 
 #include "identification/constants.h"
 #include "show/identification.h"
+#include "show/readable.h"
 
 namespace chladni::show {
 namespace {
@@ -48,11 +49,11 @@ std::string prediction_text(const identification::Validation& left, double expec
   const auto& whole = left.whole;
   std::string text = fmt::format(
       "predicted to {:.3g} % of their size, {} there {}; the error's square is {:.4g} +- "
-      "{:.2g} times that, {:.4g} of a right model",
+      "{} times that, {:.4g} of a right model",
       100.0 * whole.relative_error, noise_known ? "noise" : "noise and model error allowed",
       std::isfinite(whole.relative_noise) ? fmt::format("{:.3g} %", 100.0 * whole.relative_noise)
                                           : "not known",
-      whole.level, whole.level_deviation, expected);
+      whole.level, deviation_text(whole.level_deviation), expected);
   const auto* most = worst(left.bands);
   if (most && left.bands.size() > 1) {
     text += fmt::format(", {:.3g} times at most ({})", most->level, band_text(*most));

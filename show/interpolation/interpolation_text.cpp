@@ -5,6 +5,7 @@
 
 #include "base/percent.h"
 #include "show/interpolation.h"
+#include "show/readable.h"
 #include "steps/interpolation.h"
 
 namespace chladni::show {
@@ -78,8 +79,8 @@ std::string points_text(const steps::Interpolated& result) {
     const auto row = static_cast<Eigen::Index>(p);
     text += fmt::format("{:<12}", result.points[p]);
     for (Eigen::Index i = 0; i < shown.points.mean.cols(); ++i) {
-      text +=
-          fmt::format(" {:.4f}+-{:.4f}", shown.points.mean(row, i), shown.points.deviation(row, i));
+      text += fmt::format(" {:.4f}+-{}", shown.points.mean(row, i),
+                          deviation_text(shown.points.deviation(row, i), "{:.4f}"));
     }
     text += "\n";
   }

@@ -20,12 +20,15 @@ constexpr double kRivalTold = 0.005;  // probability
 
 // Enough decimals to show the deviation to two digits of its own.
 int decimals_for(double std) {
-  return std > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(std))), 0, 9) : 3;
+  return std > 0.0 && std::isfinite(std)
+             ? std::clamp(1 - static_cast<int>(std::floor(std::log10(std))), 0, 9)
+             : 3;
 }
 
 std::string with_deviation(double value, double std, const std::string& between) {
   const int digits = decimals_for(std);
-  return fmt::format("{:.{}f}{}{:.{}f}", value, digits, between, std, digits);
+  return fmt::format("{:.{}f}{}{}", value, digits, between,
+                     deviation_text(std, fmt::format("{{:.{}f}}", digits)));
 }
 
 std::string name_of(const OddEntry& one) { return fmt::format("{} of {}", one.key, one.specimen); }

@@ -134,15 +134,18 @@ UpperFace::UpperFace(const Chart& chart, const mesh::TetMesh& body, const Eigen:
     : shell_(shell_of(chart, body, nodes_)),
       chosen_(std::move(chosen)),
       finder_(shell_),
-      motion_(shell_.node_count(), shapes.cols() + above.shapes.cols()),
       beyond_(above.beyond),
       step_(step_of_slopes(shell_)) {
-  const Eigen::RowVector3d normal = chart.axes.col(2).transpose();
-  for (Eigen::Index i = 0; i < motion_.rows(); ++i) {
-    const Eigen::Index first = 3 * nodes_[static_cast<std::size_t>(i)];
-    motion_.row(i).head(shapes.cols()) = normal * shapes.middleRows<3>(first);
-    if (above.shapes.cols() == 0) continue;
-    motion_.row(i).tail(above.shapes.cols()) = normal * above.shapes.middleRows<3>(first);
+  Eigen::Index k = 0;
+  for (auto& motion : motions_) {
+    const Eigen::RowVector3d axis = chart.axes.col(k++).transpose();
+    motion.resize(shell_.node_count(), shapes.cols() + above.shapes.cols());
+    for (Eigen::Index i = 0; i < motion.rows(); ++i) {
+      const Eigen::Index first = 3 * nodes_[static_cast<std::size_t>(i)];
+      motion.row(i).head(shapes.cols()) = axis * shapes.middleRows<3>(first);
+      if (above.shapes.cols() == 0) continue;
+      motion.row(i).tail(above.shapes.cols()) = axis * above.shapes.middleRows<3>(first);
+    }
   }
 }
 
@@ -164,7 +167,7 @@ std::optional<double> UpperFace::height(const Eigen::Vector2d& place) const {
 std::optional<diagnosis::PointMotion> UpperFace::at(const Eigen::Vector2d& place) const {
   const auto here = uppermost(place);
   if (!here) return {};
-  const Eigen::VectorXd value = value_at(*here, motion_);
+  const Eigen::VectorXd value = value_at(*here, motions_[2]);
   const auto along = [&](const Eigen::Vector2d& axis) {
     return slope(
         [&](double offset) -> std::optional<Eigen::VectorXd> {
@@ -174,7 +177,7 @@ std::optional<diagnosis::PointMotion> UpperFace::at(const Eigen::Vector2d& place
           // Beyond a step in the body's height is another place.
           const bool near = site && std::abs(site->position(2) - here->position(2)) < 2.0 * step_;
           if (!near) return {};
-          return value_at(*site, motion_);
+          return value_at(*site, motions_[2]);
         },
         step_);
   };
@@ -182,7 +185,10 @@ std::optional<diagnosis::PointMotion> UpperFace::at(const Eigen::Vector2d& place
   const Eigen::VectorXd v = along(Eigen::Vector2d::UnitY());
   const Eigen::Index above = beyond_.size();
   const Eigen::Index r = value.size() - above;
+  Eigen::MatrixXd aside(value.size(), 2);
+  aside << value_at(*here, motions_[0]), value_at(*here, motions_[1]);
   diagnosis::PointMotion motion{value.head(r), u.head(r), v.head(r), {}, {}, {}};
+  motion.aside = aside.topRows(r);
   if (above == 0) return motion;
   const Eigen::VectorXd weighted = beyond_.cwiseProduct(value.tail(above));
   const double rest = std::sqrt(weighted.dot(value.tail(above)));
@@ -195,6 +201,9 @@ std::optional<diagnosis::PointMotion> UpperFace::at(const Eigen::Vector2d& place
   motion.upper = with_rest(value, rest);
   motion.upper_slope_u = with_rest(u, per * weighted.dot(u.tail(above)));
   motion.upper_slope_v = with_rest(v, per * weighted.dot(v.tail(above)));
+  motion.upper_aside.resize(above + 1, 2);
+  motion.upper_aside << aside.bottomRows(above),
+      per * weighted.transpose() * aside.bottomRows(above);
   return motion;
 }
 
@@ -244,6 +253,7 @@ diagnosis::Surface surface_of(const Chart& chart, std::shared_ptr<const UpperFac
   surface.origin = chart.origin;
   surface.axis_u = chart.axes.col(0);
   surface.axis_v = chart.axes.col(1);
+  surface.directions = 3;
   surface.at = [face](const Eigen::Vector2d& place) { return face->at(place); };
   surface.has_place = [face](const Eigen::Vector2d& place) { return face->holds(place); };
   return surface;

@@ -1,6 +1,7 @@
 // A body seen from above: a map of two coordinates, with the motion of its modes.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -67,7 +68,7 @@ class UpperFace {
   [[nodiscard]] bool holds(const Eigen::Vector2d& place) const;
   /// Height of that face over the plane of the chart [m]; none outside the body.
   [[nodiscard]] std::optional<double> height(const Eigen::Vector2d& place) const;
-  /// Motion along the chart's normal; none outside the body. The static part has u modes and one
+  /// Motion along the chart's axes; none outside the body. The static part has u modes and one
   /// entry for all beyond, or is empty. Cost: five searches, logarithmic in the faces.
   [[nodiscard]] std::optional<diagnosis::PointMotion> at(const Eigen::Vector2d& place) const;
 
@@ -78,9 +79,9 @@ class UpperFace {
   mesh::TetMesh shell_;              // boundary only, in the chart's coordinates
   std::vector<char> chosen_;         // per face of the shell; empty: all
   mesh::SiteFinder finder_;
-  Motions motion_;          // shell nodes × (r + u)
-  Eigen::VectorXd beyond_;  // u
-  double step_;             // of slopes [m]
+  std::array<Motions, 3> motions_;  // along u, v and the normal: shell nodes × (r + u)
+  Eigen::VectorXd beyond_;          // u
+  double step_;                     // of slopes [m]
 };
 
 /// The part of each of the chart's `counts` rectangles that the body covers: counts(0)×counts(1).

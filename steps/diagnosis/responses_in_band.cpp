@@ -15,6 +15,7 @@
 #include "identification/constants.h"
 #include "identification/fit_data.h"
 #include "identification/identified.h"
+#include "identification/trust.h"
 #include "steps/identification.h"
 
 namespace chladni::steps {
@@ -110,20 +111,18 @@ void state_variance(MeasuredFrfs& measured, stage::Work& work) {
   take_variances(set, [](double) { return true; });
 }
 
-// Modes with complex shapes, if these leave much less of the data than the real ones, which leave
-// this level. They are no more than those, but for a few far from the lines: with a complex residue
-// each, modes fill any response that no modes explain, and others by the last bits.
+// Modes with complex shapes, if these explain more of the data than the real ones. They are no more
+// than those, but for a few far from the lines: with a complex residue each, modes fill any
+// response that no modes explain, and others by the last bits.
 std::optional<identification::ModalFit> with_complex_shapes(
     const identification::FitData& data, identification::IdentificationOptions options,
-    const identification::ModalFit& real, double level) {
+    const identification::ModalFit& real) {
   options.fit.damping = identification::Damping::general;
   options.far_modes = true;  // a suspension below the lines, a frame above them
   options.most_modes = real.flexible_count() + kFarModes;
   try {
     auto fit = identification::identified(data, options).fit;
-    const bool pays =
-        identification::noise_level(fit, data) < identification::Constants::complex_pays * level;
-    if (pays) return fit;
+    if (identification::explain_more(fit, real, data)) return fit;
   } catch (const InvalidInput&) {  // they explain nothing: real shapes stay
   } catch (const NumericalFailure&) {
   }
@@ -142,7 +141,7 @@ identification::ModalFit fitted_modes(const identification::FitData& data,
   auto fit = identification::identified(data, options).fit;
   const double level = identification::noise_level(fit, data);
   if (level < identification::Constants::good_level || data.response_count() < 2) return fit;
-  auto complex = with_complex_shapes(data, options, fit, level);
+  auto complex = with_complex_shapes(data, options, fit);
   return complex ? *std::move(complex) : fit;
 }
 

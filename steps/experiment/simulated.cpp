@@ -11,6 +11,7 @@
 #include "recordings/closed_loop.h"
 #include "stage/at_channels.h"
 #include "stage/channel_paths.h"
+#include "stage/diagnosis_structure.h"
 
 namespace chladni::steps {
 namespace {
@@ -98,18 +99,16 @@ void set_loop(const study::Study& study, const modal::ReducedModel& model, Bench
       fmt::format("the loop takes one sample: a delay of {:.6g} us", 1e6 * rig.delay_s));
 }
 
-// What the responses lack of the modes. `last`: frequency of the last one, 0 where there is none.
-void note_modes(const study::ExperimentPlan& plan, double last, bool folds, Bench& bench) {
-  if (last > 0.5 * plan.sample_rate_hz && folds) {
+// What the responses lack of the modes. `asked`, `last`: frequency of the last mode that the study
+// asks for, and of the last one that the structure has; 0 where there is none.
+void note_modes(const study::ExperimentPlan& plan, double asked, double last, bool folds,
+                Bench& bench) {
+  if (asked > 0.5 * plan.sample_rate_hz) {
     bench.notes.push_back(fmt::format(
-        "modes up to {:.6g} Hz move above half the sample rate and fold back, as in a laboratory "
-        "without anti-aliasing filters",
-        last));
-  } else if (last > 0.5 * plan.sample_rate_hz) {
-    bench.notes.push_back(fmt::format(
-        "modes above half the sample rate, up to {:.6g} Hz, only yield statically: velocities and "
-        "accelerations are recorded through filters that let none of them fold back",
-        last));
+        "modes up to {:.6g} Hz lie above half the sample rate; they {}", asked,
+        folds ? "fold back, as in a laboratory without anti-aliasing filters"
+              : "only yield statically: velocities and accelerations are recorded through filters "
+                "that let nothing fold back"));
   }
   const double high = bench.plan.multisine.high_hz;
   if (last > 0.0 && last < high) {
@@ -118,32 +117,33 @@ void note_modes(const study::ExperimentPlan& plan, double last, bool folds, Benc
         "the modes from there on; modes.up_to = \"{:.3g} Hz\" has those of the band and what is "
         "left of the next ones",
         last, high, 2.0 * high));
-  } else if (last > 0.0 && last < 2.0 * high) {
-    bench.notes.push_back(fmt::format(
-        "modes above {:.6g} Hz only yield statically in these responses, those of a diagnosis "
-        "move: beside little noise it tells that; modes.up_to = \"{:.3g} Hz\" has them move here, "
-        "too",
-        last, 2.0 * high));
   }
 }
 
+// The structure has no fewer modes than a diagnosis takes. Those beyond what the study asks for do
+// not fold back: above half the sample rate they only yield statically.
 void set_structure(const study::Study& study, stage::Work& work, Bench& bench) {
   const auto& plan = *study.experiment;
   if (plan.structure != "study") return set_chain(study, bench);
-  const stage::Solution solution = stage::solved(study, work);
-  const auto model = recordings::in_view(
+  const auto [own, solution] = stage::solved_with_more(study, stage::kDiagnosisModes, work);
+  const auto all = recordings::in_view(
       work.timed("reduction", [&] { return stage::at_channels(study, solution); }));
-  bench.modes = model.mode_count();
   std::vector<modal::FrfKind> kinds;
   for (const auto& sensor : study.sensors) kinds.push_back(kind_of(sensor));
   const bool folds = std::ranges::count(kinds, modal::FrfKind::receptance) == std::ssize(kinds);
-  bench.rig.plant = recordings::plant(
-      folds ? model : recordings::at_rest_above(model, 0.5 * plan.sample_rate_hz), kinds);
+  const auto last_of = [](const Eigen::VectorXd& hz) {
+    return hz.size() > 0 ? hz.tail(1)(0) : 0.0;
+  };
+  const double asked = last_of(own.modes.frequency_hz);
+  const double half = 0.5 * plan.sample_rate_hz;
+  const auto model = recordings::at_rest_above(all, folds ? std::max(half, asked) : half);
+  bench.modes = model.mode_count();
+  bench.rig.plant = recordings::plant(model, kinds);
   require(model.rigid_count == 0 || !plan.controlled.empty(),
           fmt::format("experiment: the body is free ({} rigid-body modes in view) and would drift; "
                       "expected controlled = [...] and a bandwidth",
                       model.rigid_count));
-  note_modes(plan, model.mode_count() > 0 ? model.frequency_hz.tail(1)(0) : 0.0, folds, bench);
+  note_modes(plan, asked, last_of(all.frequency_hz), folds, bench);
   if (!plan.controlled.empty()) set_loop(study, model, bench);
 }
 

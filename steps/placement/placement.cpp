@@ -1,11 +1,14 @@
 #include "steps/placement.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "base/error.h"
+#include "fem/system.h"
 #include "io/scan.h"
 #include "steps/placement/placing.h"
 
@@ -77,6 +80,43 @@ void note_modes_above(const study::Study& study, const modal::Modes& modes,
                   plan.up_to_hz, last));
 }
 
+// The part of each mode's kinetic energy in motions of the whole body that only springs resist: 1
+// where the body moves on its springs without bending.
+Eigen::VectorXd suspended_part(const stage::Solution& solution) {
+  const auto& system = *solution.system;
+  const auto& shapes = solution.modes.shapes;
+  if (system.suspended.cols() == 0) return Eigen::VectorXd::Zero(shapes.cols());
+  const Eigen::MatrixXd momentum = system.mass.selfadjointView<Eigen::Lower>() * system.suspended;
+  return (fem::on_nodes(system.dofs, momentum).transpose() * shapes).colwise().squaredNorm();
+}
+
+// Modes of the suspension count as flexible ones, which the study may not mean.
+void note_suspension(const stage::Solution& solution, const placement::WantedModes& wanted,
+                     std::vector<std::string>& notes) {
+  constexpr double kOnSprings = 0.5;
+  const Eigen::VectorXd part = suspended_part(solution);
+  const auto& modes = solution.modes;
+  const auto on_springs = [&](Eigen::Index mode) { return part(mode) > kOnSprings; };
+  if (std::ranges::none_of(wanted.columns, on_springs)) return;
+  std::vector<std::string> numbers;
+  std::vector<Eigen::Index> bending;  // the first three
+  for (Eigen::Index m = modes.rigid_count; m < modes.mode_count(); ++m) {
+    const bool is_wanted = std::ranges::find(wanted.columns, m) != wanted.columns.end();
+    if (is_wanted && on_springs(m)) {
+      numbers.push_back(fmt::format("{} ({:.4g} Hz)", m + 1, modes.frequency_hz(m)));
+    }
+    if (!on_springs(m) && bending.size() < 3) bending.push_back(m - modes.rigid_count + 1);
+  }
+  const auto advice = bending.empty()
+                          ? "a larger modes.count computes some that bend it"
+                          : fmt::format("placement.modes = [{}] asks for the first that bend it",
+                                        fmt::join(bending, ", "));
+  notes.push_back(fmt::format(
+      "in mode {} the body moves on its springs and does not bend, and places are sought for {} "
+      "all the same; {}",
+      io::listed(numbers), numbers.size() == 1 ? "it" : "them", advice));
+}
+
 }  // namespace
 
 BestPlaces best_places(const study::Study& study, const stage::Solution& solution,
@@ -104,6 +144,7 @@ BestPlaces best_places(const study::Study& study, const stage::Solution& solutio
     plan.observer = observer_task(study, solution, own, structure, surface, places.notes);
   }
   places.wanted = placement::wanted_modes(structure, surface, plan, places.notes);
+  note_suspension(solution, places.wanted, places.notes);
   places.rules = rules_of(body, own, structure, places.faces);
   places.forbidden = placement::forbidden_by(surface, places.rules);
   tell(progress, "scoring pairs");

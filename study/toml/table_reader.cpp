@@ -40,8 +40,9 @@ std::string sign_text(Sign sign) { return sign == Sign::positive ? "more than 0"
 
 }  // namespace
 
-TableReader::TableReader(const TomlNode& table, std::string path, Problems& problems)
-    : table_(table), path_(std::move(path)), problems_(&problems) {}
+TableReader::TableReader(const TomlNode& table, std::string path, Problems& problems,
+                         std::string whole)
+    : table_(table), path_(std::move(path)), problems_(&problems), whole_(std::move(whole)) {}
 
 std::string TableReader::name(std::string_view key) const {
   return path_.empty() ? std::string(key) : path_ + "." + std::string(key);
@@ -65,7 +66,7 @@ void TableReader::wrong(const TomlNode& where, const std::string& message) {
 }
 
 void TableReader::missing(std::string_view key, std::string_view expected) {
-  wrong(table_, (path_.empty() ? "the study" : path_) + " lacks \"" + std::string(key) +
+  wrong(table_, (path_.empty() ? whole_ : path_) + " lacks \"" + std::string(key) +
                     "\"; expected " + std::string(expected));
 }
 
@@ -265,7 +266,7 @@ void TableReader::refuse_unknown() {
     const std::string near = nearest_name(member.key, known_);
     problems_->add(
         member.line, member.column,
-        "unknown key \"" + member.key + "\" in " + (path_.empty() ? "the study" : path_) +
+        "unknown key \"" + member.key + "\" in " + (path_.empty() ? whole_ : path_) +
             (near.empty() ? "; known are " + listed(known_) : "; did you mean \"" + near + "\"?"));
   }
 }

@@ -19,8 +19,10 @@ enum class Sign { any, positive, not_negative };
 /// reading continues to the next error. Both arguments must outlive it.
 class TableReader {
  public:
-  /// `path` names the table in messages: "geometry.plate"; empty for the whole file.
-  TableReader(const TomlNode& table, std::string path, Problems& problems);
+  /// `path` names the table in messages: "geometry.plate"; empty for the whole file, which `whole`
+  /// names.
+  TableReader(const TomlNode& table, std::string path, Problems& problems,
+              std::string whole = "the study");
 
   [[nodiscard]] int line() const { return table_.line; }
   [[nodiscard]] const std::string& path() const { return path_; }
@@ -61,6 +63,7 @@ class TableReader {
   const TomlNode& table_;
   std::string path_;
   Problems* problems_;
+  std::string whole_;
   std::vector<std::string> known_;
 };
 

@@ -295,10 +295,10 @@ TomlNode document_with(std::string_view key, const TomlNode& value) {
   return table_with(first.substr(0, bracket), std::move(array));
 }
 
-SweepPlan read_sweep(const fs::path& file) {
+SweepPlan read_sweep(const fs::path& file, bool gathers) {
   const TomlNode tree = parse_toml(read_whole(file, kLargestPlan), file.string());
   Problems problems(file.string());
-  TableReader root(tree, "", problems);
+  TableReader root(tree, "", problems, "the plan");
   SweepPlan plan;
   plan.file = file;
   plan.name = file.stem().string();
@@ -308,7 +308,9 @@ SweepPlan read_sweep(const fs::path& file) {
   for (auto& table : root.tables("axis")) plan.axes.push_back(axis_of(table));
   for (auto& table : root.tables("result")) plan.results.push_back(result_of(table));
   if (plan.axes.empty()) root.missing("axis", "[[axis]], at least one");
-  if (plan.results.empty()) root.missing("result", "[[result]], at least one number to gather");
+  if (gathers && plan.results.empty()) {
+    root.missing("result", "[[result]], at least one number to gather");
+  }
   refuse_repeated(root, "axis", plan.axes);
   refuse_repeated(root, "result", plan.results);
   refuse_common_keys(root, plan);

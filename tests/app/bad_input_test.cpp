@@ -318,6 +318,20 @@ TEST_F(CommandLine, MeasuredModesFarFromAllSimulatedOnesAreRefused) {
   EXPECT_TRUE(says(done.err, "far from all simulated ones")) << done.err;
 }
 
+// They did nothing there, and nobody was told.
+TEST_F(CommandLine, CheckTakesOptionsOfDataForDataAlone) {
+  const auto study = write("plate.toml", kPlate).string();
+  for (const std::string option : {"--unit", "--sample-time"}) {
+    const auto refused = run({"check", study, option, option == "--unit" ? "g" : "1 ms"});
+    EXPECT_EQ(refused.status, 3) << refused.out;
+    EXPECT_TRUE(says(refused.err, option + " is of a file of measured data")) << refused.err;
+  }
+  write("frf.csv", "freq_hz,re_y1u1,im_y1u1\n1,2,3\n");
+  const auto refused = run({"check", "frf.csv", "--expect"});
+  EXPECT_EQ(refused.status, 3) << refused.out;
+  EXPECT_TRUE(says(refused.err, "--expect is of a study")) << refused.err;
+}
+
 TEST_F(CommandLine, OnlyVerbsThatLeaveModesAnimateOne) {
   for (const auto* verb : {"place", "priors", "experiment", "simulate", "identify", "interpolate",
                            "observe", "compare", "diagnose"}) {

@@ -117,7 +117,7 @@ TEST_F(Remedies, AreMeshesThatFitAndKeepTheirError) {
 }
 
 TEST_F(Remedies, AreRanksOfTheMemoryThatIsTold) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   if (!program_on_path("mpiexec")) GTEST_SKIP() << "no mpiexec on the PATH";
   if (!fs::exists(CHLADNI_BINARY_DIR "/bin/chladni-slepc")) {
     GTEST_SKIP() << "chladni-slepc is not built";

@@ -78,6 +78,20 @@ TEST_F(SweepVerbs, ListsRunsAndScriptsAreJsonToo) {
   EXPECT_TRUE(fs::exists(folder_ / scripts.at("sbatch").string()));
 }
 
+// What is to be gathered is needed where something is gathered.
+TEST_F(SweepVerbs, AListNeedsNoResult) {
+  const auto file = plan("\"4 mm\", \"5 mm\"").string();
+  const auto text = whole(file);
+  write("plan.toml", text.substr(0, text.find("[[result]]")));
+  const auto list = run({"sweep", file, "-o", "out", "--list"});
+  EXPECT_EQ(list.status, 0) << list.err;
+  EXPECT_TRUE(says(list.out, "open   5 mm"));
+  const auto swept = run({"sweep", file, "-o", "out"});
+  EXPECT_EQ(swept.status, 3);
+  EXPECT_TRUE(says(swept.err, "the plan lacks \"result\"")) << swept.err;
+  EXPECT_TRUE(left("out").empty());
+}
+
 TEST_F(SweepVerbs, ReproducibleOnesLeaveTheSameBytes) {
   const auto file = plan("\"4 mm\", \"5 mm\"").string();
   const auto left = [&](const std::string& threads) {

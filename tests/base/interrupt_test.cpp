@@ -11,8 +11,10 @@
 #include <csignal>
 #include <cstdlib>
 #include <string>
+#include <thread>
 #include <type_traits>
 
+#include "base/answered_interrupts.h"
 #include "base/error.h"
 
 namespace chladni {
@@ -73,6 +75,69 @@ TEST(Interrupt, IsNotedForAHostThatGetsItsHandlerBack) {
   } catch (const Interrupted&) {
     EXPECT_EQ(hosts_share, 0);
   }
+  std::signal(SIGINT, SIG_DFL);
+}
+
+TEST(Interrupt, IsAskedOfAHostThatDecides) {
+  std::signal(SIGINT, [](int /*signal*/) { hosts_share = 1; });
+  hosts_share = 0;
+  int asked = 0;
+  bool stop = false;
+  {
+    const AnsweredInterrupts host([&] { return ++asked > 0 && stop; });
+    EXPECT_NO_THROW(throw_if_interrupted());
+    std::raise(SIGINT);
+    std::raise(SIGINT);
+    std::thread([] { EXPECT_NO_THROW(throw_if_interrupted()); }).join();
+    EXPECT_EQ(asked, 0) << "only the thread of the host asks it";
+    EXPECT_NO_THROW(throw_if_interrupted());
+    EXPECT_FALSE(interrupted());
+    EXPECT_EQ(asked, 1);
+    stop = true;
+    std::raise(SIGINT);
+    EXPECT_THROW(throw_if_interrupted(), Interrupted);
+    EXPECT_TRUE(interrupted());
+    EXPECT_EQ(asked, 2);
+    std::thread([] { EXPECT_THROW(throw_if_interrupted(), Interrupted); }).join();
+  }
+  EXPECT_EQ(hosts_share, 0) << "it was answered";
+  EXPECT_NO_THROW(throw_if_interrupted());
+  std::signal(SIGINT, SIG_DFL);
+}
+
+TEST(Interrupt, ThatComesTooLateToBeAskedAboutIsTheHosts) {
+  std::signal(SIGINT, [](int /*signal*/) { hosts_share = 1; });
+  hosts_share = 0;
+  try {
+    const AnsweredInterrupts host([] { return true; });
+    std::raise(SIGINT);
+    throw InvalidInput("of the work");
+  } catch (const InvalidInput&) {
+    EXPECT_EQ(hosts_share, 1);
+  }
+  EXPECT_FALSE(interrupted());
+  std::signal(SIGINT, SIG_DFL);
+}
+
+// Code of the host that is called in a step may take a step of its own.
+TEST(Interrupt, IsAskedOfTheInnerHostFirst) {
+  std::signal(SIGINT, [](int /*signal*/) { hosts_share = 1; });
+  hosts_share = 0;
+  int outer = 0;
+  int inner = 0;
+  {
+    const AnsweredInterrupts host([&] { return ++outer < 0; });
+    {
+      const AnsweredInterrupts guest([&] { return ++inner < 0; });
+      std::raise(SIGINT);
+      EXPECT_FALSE(interrupted());
+      std::raise(SIGINT);
+    }
+    EXPECT_EQ(inner, 1);
+    EXPECT_FALSE(interrupted());
+    EXPECT_EQ(outer, 1);
+  }
+  EXPECT_EQ(hosts_share, 0);
   std::signal(SIGINT, SIG_DFL);
 }
 

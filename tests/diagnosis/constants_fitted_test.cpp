@@ -163,7 +163,7 @@ TEST(ConstantsFitted, AreNoCauseWhereTheyWereNotKnown) {
 }
 
 TEST(ConstantsFitted, StandBesideACause) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   const Supposed mass{&effect("point_mass"), 0, Eigen::Vector3d(0.3, 0.1, -0.05)};
   const auto found = diagnosed(small_plate(), measured(-0.05, {mass}, 4), options(0.1),
                                {{starting_at(-0.06)}, {}});

@@ -1,5 +1,5 @@
 // Data that are held out in turn, predicted with causes that were fitted to the others.
-#include "diagnosis/verdict/cross_validated.h"
+#include "diagnosis/verdict/held_out/cross_validated.h"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 #include "base/index.h"
 #include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/small_plate.h"
-#include "diagnosis/verdict/held_out_parts.h"
-#include "diagnosis/verdict/part_misfit.h"
+#include "diagnosis/verdict/held_out/held_out_parts.h"
+#include "diagnosis/verdict/held_out/part_misfit.h"
 #include "rotation/turn.h"
 
 namespace chladni::diagnosis {

@@ -157,14 +157,14 @@ TEST(Readings, NameSignAndUnitOfOneResponse) {
 }
 
 TEST(Readings, LeaveAMassBesideThem) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   auto set = measured({"point_mass"});
   spoil(set, {-kPerG}, 1);
   expect_named(diagnosed_with(plate(), set), {"point_mass", "sensor_sign s2", "sensor_unit s2"});
 }
 
 TEST(Readings, LeaveAModulusBesideThem) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   auto set = measured({"youngs_modulus"});
   spoil(set, {-kPerG}, 1);
   expect_named(diagnosed_with(plate(), set),
@@ -172,7 +172,7 @@ TEST(Readings, LeaveAModulusBesideThem) {
 }
 
 TEST(Readings, NameSignAndDelay) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   for (const double delay : {3e-4, 8e-4}) {
     auto set = measured();
     spoil(set, {-1.0, delay}, 1);
@@ -185,7 +185,7 @@ TEST(Readings, NameSignAndDelay) {
 }
 
 TEST(Readings, NameQuantityUnitAndDelay) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   auto set = measured();
   spoil(set, {kPerG, 2e-4, 1}, 1);
   expect_named(diagnosed_with(plate(), set),
@@ -193,7 +193,7 @@ TEST(Readings, NameQuantityUnitAndDelay) {
 }
 
 TEST(Readings, NameTwoChannels) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   auto set = measured();
   spoil(set, {-kPerG}, 0);
   spoil(set, {-1e3}, 2);
@@ -202,7 +202,7 @@ TEST(Readings, NameTwoChannels) {
 }
 
 TEST(Readings, NameASensorAndAnActuator) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   auto set = measured();
   spoil(set, {-kPerG}, 0);
   spoil(set, {-1.0, 3e-4}, -1, 0);

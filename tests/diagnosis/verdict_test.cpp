@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -254,10 +255,10 @@ TEST_F(Explanations, ArePlacesRatherThanTilts) {
 // What is told of the next measurement.
 class NextSensor : public Explanations {
  protected:
-  std::string asked(const Found& found) const {
+  std::string asked(const Found& found, std::optional<Verdict> verdict = {}) const {
     const auto all = explanations(problem_, found, 1.0);
     Diagnosis told;
-    told.verdict = judged(problem_, found, all, {});
+    told.verdict = verdict.value_or(judged(problem_, found, all, {}));
     told.best = all.front();
     told.rivals.assign(all.begin() + 1, all.end());
     return measure_next(problem_, found, told);
@@ -289,6 +290,16 @@ TEST_F(NextSensor, IsNoneWhereTheCauseIsSure) {
   measure({mass});
   const Found found = found_of({fit_of({mass})});
   EXPECT_EQ(asked(found).find("nothing is left to tell apart"), 0U);
+}
+
+// Beside a partial verdict something is left, of which no such measurement tells anything.
+TEST_F(NextSensor, DoesNotSayThatNothingIsLeftWhereSomethingIs) {
+  const Supposed mass{&effect("point_mass"), 0, Eigen::Vector3d(0.04, 0.1, -0.05)};
+  measure({mass});
+  const Found found = found_of({fit_of({mass})});
+  const auto told = asked(found, Verdict::partial);
+  EXPECT_EQ(told.find("nothing is left"), std::string::npos) << told;
+  EXPECT_NE(told.find("mend that first"), std::string::npos) << told;
 }
 
 // A mass that brings a few nats: more is to be measured, or no sensor tells it.

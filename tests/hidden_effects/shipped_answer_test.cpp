@@ -32,7 +32,7 @@ bool is_sound(const diagnosis::Diagnosis& told, const simulators::RealRigCase& r
 }
 
 TEST(ShippedAnswer, ToASoundStripIsHowGoodItsModelIs) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   for (const unsigned seed : {1U, 2U}) {  // the second has a string at 842 Hz that can be seen
     const auto rig = simulators::real_rig_case("strip", "none", seed);
     const auto told = shipped_answer(rig).result;
@@ -71,7 +71,7 @@ TEST(ShippedAnswer, APatchOfUnknownFactorOutweighsAMassThatExplainsLess) {
 }
 
 TEST(ShippedAnswer, NamesAMassOnAStripWhoseModelIsOff) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   const auto rig = simulators::real_rig_case("strip", "point_mass", 1);
   const auto told = shipped_answer(rig);
   ASSERT_EQ(told.result.verdict, Verdict::named) << diagnosis::name(told.result.verdict);

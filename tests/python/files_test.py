@@ -89,6 +89,42 @@ class Responses(unittest.TestCase):
         self.assertEqual(moved.outputs[0].quantity, "acceleration")
         np.testing.assert_allclose(moved.converted("displacement").value, frf.value, rtol=1e-12)
 
+    def test_a_line_at_rest_that_cannot_be_integrated_is_told(self):
+        at_rest = chladni.Frf([0, 10, 20], np.ones((3, 1, 1), complex),
+                              [chladni.Channel("y", "acceleration", "m/s^2")], ["u"])
+        moved = at_rest.converted("displacement")
+        np.testing.assert_array_equal(moved.frequency_hz, [10, 20])
+        self.assertEqual(moved.notes, ["the line at 0 Hz is left out: it cannot be integrated"])
+        self.assertEqual(at_rest.notes, [])
+        self.assertEqual(at_rest.converted("acceleration").notes, [])
+        self.assertEqual(len(at_rest.converted("acceleration").frequency_hz), 3)
+
+    def test_si_is_of_what_each_channel_is_said_to_measure(self):
+        quantities = ("displacement", "velocity", "acceleration")
+        stated = [chladni.Channel(one[0], one) for one in quantities]
+        frf = chladni.Frf([10, 20], np.ones((2, 3, 1), complex), stated, ["u1"])
+        for name in ("mixed.uff", "mixed.mat"):
+            chladni.write_frf(self.folder / name, frf)
+            again = chladni.read_frf(self.folder / name, unit="SI")
+            self.assertEqual([one.quantity for one in again.outputs], list(quantities), name)
+            self.assertEqual([one.unit for one in again.outputs], ["m", "m/s", "m/s^2"], name)
+
+    def test_si_of_a_channel_that_nothing_tells_of_is_refused(self):
+        file = self.folder / "partly.csv"
+        file.write_text("freq_hz,re_y1/u1 [m/s],im_y1/u1 [m/s],re_y2/u1,im_y2/u1\n10,1,2,3,4\n")
+        with self.assertRaisesRegex(chladni.InvalidInput, 'partly.csv: unit="SI".* "y2" measures'):
+            chladni.read_frf(file, unit="SI")
+        known = chladni.read_frf(file, unit="m/s^2")
+        self.assertEqual([one.quantity for one in known.outputs], ["velocity", "acceleration"])
+        whole = self.folder / "whole.csv"
+        whole.write_text("freq_hz,re_y2/u1,im_y2/u1\n10,1,2\n")
+        said = chladni.read_frf(whole, unit="SI", quantity="velocity").outputs[0]
+        self.assertEqual((said.quantity, said.unit), ("velocity", "m/s"))
+        recorded = self.folder / "recorded.csv"
+        recorded.write_text("time_s,y1,u1\n0,1,2\n0.1,3,4\n0.2,5,6\n")
+        with self.assertRaisesRegex(chladni.InvalidInput, 'unit="SI".* "y1" measures'):
+            chladni.read_time(recorded, unit="SI")
+
     def test_parts(self):
         frf = responses()
         part = frf.part(outputs=["y2", "y0"]).band(100, 300)

@@ -24,6 +24,13 @@ def copies(one):
     return copy.copy(one), copy.deepcopy(one), pickle.loads(pickle.dumps(one))
 
 
+class Texts(unittest.TestCase):
+    def test_a_deviation_that_is_not_known_is_called_so(self):
+        self.assertEqual(str(chladni.Quantity(0.04, 1e-3, "kg")), "0.04 +- 0.001 kg")
+        for unknown in (None, np.inf, np.nan):
+            self.assertEqual(str(chladni.Quantity(0.04, unknown, "1")), "0.04 +- unknown")
+
+
 class Equality(unittest.TestCase):
     def test_arrays_are_compared_as_a_whole(self):
         self.assertEqual(cause(np.zeros(3)), cause(np.zeros(3)))

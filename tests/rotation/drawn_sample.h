@@ -17,6 +17,8 @@ struct DrawnSample {
   [[nodiscard]] unsigned seed() const { return 1 + number / 4 % 1000; }
   /// True for every fourth kind in their order, counted from 0.
   [[nodiscard]] bool has(std::size_t kind) const { return all || kind % 4 == number % 4; }
+  /// 0 to 7: the quarter, and 4 more in the second half.
+  [[nodiscard]] unsigned eighth() const { return number % 4 + 4 * half; }
   /// The same for every eighth kind: minutes each.
   [[nodiscard]] bool has_half(std::size_t kind) const {
     return all || (has(kind) && kind / 4 % 2 == half);

@@ -41,12 +41,14 @@ TEST(DrawnSample, EightInARowHaveEveryDearKind) {
       for (std::size_t kind = 0; kind < 24; ++kind) {
         if (!sample.has_half(kind)) continue;
         EXPECT_TRUE(sample.has(kind));
+        EXPECT_EQ(sample.eighth(), kind % 8);
         EXPECT_TRUE(kinds.insert(kind).second) << kind;  // each once
       }
     }
     EXPECT_EQ(kinds.size(), 24U) << first;
   }
   EXPECT_TRUE(drawn_sample("7", {}).has_half(7));
+  EXPECT_EQ(drawn_sample("7", {}).eighth(), 7U);
   EXPECT_FALSE(drawn_sample("7", {}).has_half(3));
   EXPECT_TRUE(drawn_sample("all", kTree).has_half(3));
 }

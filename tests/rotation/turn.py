@@ -11,7 +11,7 @@ def has_turn(test, number):
 
 
 def drawn_number(sample, source):
-    """The number of the sample that `sample`, the program chladni_sample, draws; None: all tests run."""
+    """Which eighth, 0 to 7, `sample`, the program chladni_sample, draws (rest by four: the quarter); None: all."""
     number = subprocess.run([sample, source], stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
     return None if number == "all" else int(number)
 

@@ -22,6 +22,20 @@ TEST(Turn, ComesOnceInFourLandingsInARow) {
   }
 }
 
+TEST(Turn, OfWhatIsDearComesOnceInEight) {
+  for (int i = 0; i < 200; ++i) {
+    const auto name = fmt::format("Readings.Name{}", i);
+    int turns = 0;
+    for (unsigned number = 0; number < 8; ++number) {
+      auto sample = of(number % 4);
+      sample.half = number / 4;
+      turns += has_rare_turn(name, sample) ? 1 : 0;
+      EXPECT_TRUE(has_turn(name, sample) || !has_rare_turn(name, sample)) << name;
+    }
+    EXPECT_EQ(turns, 1) << name;
+  }
+}
+
 TEST(Turn, QuartersAreAboutAsLarge) {
   std::array<int, 4> tests{};
   for (int i = 0; i < 400; ++i) {
@@ -35,7 +49,10 @@ TEST(Turn, QuartersAreAboutAsLarge) {
 TEST(Turn, IsAlwaysWhereAllAreAsked) {
   DrawnSample all;
   all.all = true;
-  for (const auto* name : {"A.B", "A.C", "A.D", "A.E", "A.F"}) EXPECT_TRUE(has_turn(name, all));
+  for (const auto* name : {"A.B", "A.C", "A.D", "A.E", "A.F"}) {
+    EXPECT_TRUE(has_turn(name, all));
+    EXPECT_TRUE(has_rare_turn(name, all));
+  }
 }
 
 TEST(Turn, SaysWhyATestIsSkipped) {

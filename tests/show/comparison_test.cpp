@@ -59,6 +59,17 @@ TEST(ComparisonTable, TellsWhatStandsOut) {
   }
 }
 
+// What nothing tells is not infinite.
+TEST(ComparisonTable, CallsADeviationThatIsNotKnownUnknown) {
+  auto one = comparison();
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  auto& pair = one.modes.pairs.front();
+  pair.measured_std_hz = pair.change_std = pair.measured_damping_std = kInfinite;
+  const auto text = show::comparison_table(one);
+  EXPECT_EQ(text.find("inf"), std::string::npos) << text;
+  EXPECT_NE(text.find("139.0000 +- unknown"), std::string::npos) << text;
+}
+
 // Modes without a partner by their frequencies, poles that are none with the reason.
 TEST(ComparisonTable, ListsWhatHasNoPartner) {
   diagnosis::ModeComparison modes;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace chladni::show {
 namespace {
 
@@ -18,6 +20,17 @@ TEST(SpecimensText, AHeavyMassIsInKilograms) {
   entry.value = 0.0482;
   entry.std = 0.0001;
   EXPECT_EQ(entry_text(entry), "mass of table: 48.20 +- 0.10 g, written 50.00 (-3.6 %)");
+}
+
+TEST(SpecimensText, ADeviationThatIsNotKnownIsCalledSo) {
+  const diagnosis::OddEntry entry{.specimen = "table",
+                                  .key = "mass",
+                                  .effect = "",
+                                  .unit = "kg",
+                                  .of_study = 19.44,
+                                  .value = 19.4,
+                                  .std = std::numeric_limits<double>::infinity()};
+  EXPECT_EQ(entry_text(entry), "mass of table: 19.400 +- unknown kg, written 19.440 (-0.2 %)");
 }
 
 }  // namespace

@@ -31,6 +31,23 @@ TEST(ValidationText, NamesTheWorstOfTheMeasuredBands) {
   EXPECT_EQ(validation_text(model).find("at most"), std::string::npos);
 }
 
+// A damping at its bound has no deviation that the data tell; a gain that nothing tells has none.
+TEST(IdentifiedTable, CallsADeviationThatIsNotKnownUnknown) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  steps::IdentifiedModel model;
+  auto& fit = model.found.fit;
+  fit.model.frequency_hz = Eigen::VectorXd::Constant(1, 50.0);
+  fit.model.damping_ratio = Eigen::VectorXd::Constant(1, 0.01);
+  fit.frequency_std_hz = fit.damping_std = Eigen::VectorXd::Constant(1, kInfinite);
+  model.match.modes.resize(1);
+  model.match.modes[0].by = identification::MatchedBy::pairs;
+  model.match.modes[0].alpha_std = kInfinite;
+  const auto text = io::text(identified_modes_table(model));
+  EXPECT_EQ(text.find("inf"), std::string::npos) << text;
+  EXPECT_NE(text.find("50.0000 +- unknown"), std::string::npos) << text;
+  EXPECT_NE(text.find("0.010000 +- unknown"), std::string::npos) << text;
+}
+
 // A second record whose variances are of an unknown number of averages.
 TEST(ValidationText, DoesNotTakeSampleVariancesForAFaultOfTheModel) {
   steps::IdentifiedModel model;

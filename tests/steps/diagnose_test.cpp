@@ -35,6 +35,7 @@ class Diagnose : public testing::Test {
     options.lines = 120;
     options.degree = 12;
     options.severity = 0.7;
+    options.on_face = true;
     const auto made = simulators::hidden_case(kinds, seed, options);
     truth_ = made.truth;
     return modal::part(made.measured, sensors, actuators);
@@ -114,7 +115,7 @@ TEST_F(Diagnose, SaysWhatItWouldHaveFound) {
 
 // A soft patch may do the same to one response, or a mass elsewhere: then none is sure.
 TEST_F(Diagnose, OneResponseIsNotTakenForMoreThanItIs) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   int named = 0;
   for (const unsigned seed : {3U, 4U}) {
     const auto one = diagnosed_from(measured_of({"point_mass"}, {0}, {5}, seed));
@@ -143,7 +144,7 @@ TEST_F(Diagnose, ATurnedSensorIsSeenInOneResponse) {
 }
 
 TEST_F(Diagnose, AMassIsFoundWithoutACollocatedPair) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   const auto one = diagnosed_from(measured_of({"point_mass"}, {0, 2}, {4, 6, 9}));
   EXPECT_EQ(one.result.verdict, Verdict::named) << show::verdict_text(one.result);
   ASSERT_EQ(one.result.best.causes.size(), 1U) << show::verdict_text(one.result);

@@ -13,74 +13,10 @@
 #include "show/placement.h"
 #include "steps/placement.h"
 #include "tests/refusal.h"
+#include "tests/steps/placed_plate.h"
 
 namespace chladni::steps {
 namespace {
-
-namespace fs = std::filesystem;
-
-const std::string kPlate = R"(title = "square plate"
-geometry = { plate = { length = "600 mm", width = "600 mm", thickness = "20 mm" } }
-material = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = "2700 kg/m^3" }
-mesh = { edge_length = "60 mm", order = 2 }
-modes = { count = 12, damping_ratio = 0.005 }
-sensor = [
-  { name = "s1", at = ["-250 mm", "250 mm"], direction = "z" },
-  { name = "s2", at = ["250 mm", "250 mm"], direction = "z" },
-  { name = "s3", at = ["200 mm", "-100 mm"], direction = "z" },
-]
-actuator = [
-  { name = "a1", at = ["200 mm", "-100 mm"], direction = "z" },
-  { name = "a2", at = ["0 mm", "120 mm"], direction = "z" },
-  { name = "a3", at = ["-150 mm", "-220 mm"], direction = "z" },
-]
-)";
-
-class Place : public ::testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("chladni_place_" + std::to_string(getpid()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  // The result of a study whose [placement] is `placement`.
-  steps::BestPlaces placed_with(const std::string& placement) {
-    const study::Study study =
-        study::parse_study(kPlate + "[placement]\n" + placement, "study.toml");
-    show::Options options;
-    options.folder = folder_ / "out";
-    options.pictures = false;
-    options.certificate = false;
-    show::Talk talk(said_, show::manner_of_stderr(true));
-    show::Run run(study, options, shown_, talk);
-    const stage::Solution solution = stage::solved(study, run);
-    steps::BestPlaces result = steps::best_places(study, solution, run);
-    run.show(show::placement_table(solution, result));
-    show::leave_placement(study, solution, result, run, true);
-    return result;
-  }
-
-  std::string refusal(const std::string& placement) {
-    return refusal_of([&] { return placed_with(placement); });
-  }
-
-  io::Json left() {
-    std::ifstream stream(folder_ / "out" / "placement.json");
-    std::ostringstream text;
-    text << stream.rdbuf();
-    return io::parse_json(text.str());
-  }
-
-  fs::path folder_;
-  std::ostringstream shown_, said_;
-};
-
-testing::AssertionResult says(const std::string& text, const std::string& part) {
-  if (text.find(part) != std::string::npos) return testing::AssertionSuccess();
-  return testing::AssertionFailure() << "\"" << part << "\" is not in\n" << text;
-}
 
 // The eight places that the plate's symmetry makes of one, to 1 %.
 TEST_F(Place, FindsTheThesissPlacesOnTheSquarePlate) {
@@ -111,7 +47,7 @@ TEST_F(Place, LeavesTheKeysOfTheContract) {
   EXPECT_GE(optimum.at("bound").number(), optimum.at("score").number());
   EXPECT_NEAR(optimum.at("gap").number(),
               optimum.at("bound").number() - optimum.at("score").number(), 1e-12);
-  EXPECT_TRUE(fs::exists(folder_ / "out" / "heat_map.vtu"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / "heat_map.vtu"));
 }
 
 // s3 and a1 are one point of five.
@@ -150,6 +86,23 @@ TEST_F(Place, APairOfModesIsLookedAtWhole) {
 
 TEST_F(Place, SaysThatModesAreAboveThoseComputed) {
   EXPECT_TRUE(says(placed_with("up_to = \"9 kHz\"").notes.at(0), "above it are not looked at"));
+}
+
+// Three springs hold it along z: its first three modes above 0 Hz are those of a rigid body.
+TEST_F(Place, SaysThatModesAreOfTheSuspension) {
+  std::string springs;
+  for (const char* at :
+       {R"("-250 mm", "-250 mm")", R"("250 mm", "-250 mm")", R"("0 mm", "250 mm")"}) {
+    springs += fmt::format(
+        "[[attachment]]\nkind = \"spring\"\nname = \"cord {}\"\nstiffness = \"500 N/m\"\n"
+        "direction = \"z\"\nat = [{}]\n",
+        springs.size(), at);
+  }
+  const auto placed = placed_with("modes = 3\n" + springs);
+  ASSERT_EQ(placed.notes.size(), 1U);
+  EXPECT_TRUE(says(placed.notes[0], "the body moves on its springs"));
+  EXPECT_TRUE(says(placed.notes[0], "placement.modes = [4, 5, 6]"));
+  EXPECT_TRUE(placed_with("modes = [4, 5]\n" + springs).notes.empty());
 }
 
 TEST_F(Place, AGridGivesItsPlacesAndAProvenOptimum) {

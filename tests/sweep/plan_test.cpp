@@ -177,6 +177,15 @@ count = 3
   EXPECT_EQ(variants.at(2).labels.front(), "100 GPa");
 }
 
+// It was called a study, which its reader then searched for the fault.
+TEST(SweepPlan, IsCalledOneInItsErrors) {
+  const std::string axis = "[[axis]]\nkey = \"seed\"\nvalues = [1]\n";
+  expect_in("the plan lacks \"base\"", refusal_of(axis + kResult));
+  expect_in("the plan lacks \"result\"", refusal_of("base = \"base.toml\"\n" + axis));
+  expect_in("unknown key \"vreb\" in the plan",
+            refusal_of("base = \"base.toml\"\nvreb = \"modes\"\n" + axis + kResult));
+}
+
 TEST(SweepPlan, WhatIsWrongIsToldWithItsLine) {
   expect_in("base", refusal_of(kResult));
   expect_in("axis", refusal_of("base = \"base.toml\"\n" + kResult));

@@ -165,7 +165,7 @@ TEST_F(StudiesOfFiles, AreRefusedWhereTheMeshIsMoreThanTheGuess) {
 
 // The first, a twist of open ribs, converges slowly (their edges are singular): not compared here.
 TEST_F(ImportedModes, OfALightWeightedTable) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   if (!fs::exists(kTable)) GTEST_SKIP() << kTable << " is not here";
   fs::copy(kTable, folder_ / "body.stl");
   expect_near(

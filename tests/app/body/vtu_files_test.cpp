@@ -229,7 +229,7 @@ TEST_F(VtuFiles, OfInterpolatedShapesHaveMeanDeviationAndTruth) {
 
 // The hidden resonator of this study sits at (125, 115) mm.
 TEST_F(VtuFiles, OfTheCauseHaveWhatEachPlaceExplains) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   const auto end = run({"diagnose", CHLADNI_SOURCE_DIR "/models/oat/with_hidden_effect/study.toml",
                         "--no-pictures", "-o", "out"});
   ASSERT_EQ(end.status, 0) << end.err;

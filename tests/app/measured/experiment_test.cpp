@@ -129,6 +129,15 @@ TEST_F(Experiment, TellsWhereToHit) {
   EXPECT_TRUE(fs::exists(folder_.path() / "out" / "hammer_points.csv"));
 }
 
+// The signals were designed, and then could not be written.
+TEST_F(Experiment, RefusesNamesThatTheTableOfSignalsCannotHoldBeforeItSolves) {
+  const auto named = exchanged(text_of("experiment"), "\"coil1\"", "\"coil1 [N]\"");
+  const auto said = refusal_of([&] {
+    return design(exchanged(named, "\"20 mm\", order", "\"1 um\", order"));  // cannot be solved
+  });
+  EXPECT_NE(said.find("CSV cannot hold the channel name"), std::string::npos) << said;
+}
+
 TEST_F(Experiment, RefusesStudiesThatDoNotSayEnough) {
   const auto text = text_of("experiment");
   const auto at = text.find("[design]");

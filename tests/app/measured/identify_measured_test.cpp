@@ -52,7 +52,7 @@ void expect_among(const std::vector<double>& found, double wanted, double within
 const fs::path kData = fs::path(CHLADNI_SOURCE_DIR) / "../shared/data";
 
 TEST_F(IdentifyMeasured, TheMeasuredBeamOfEindhoven) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   const auto file = fs::absolute(kData / "tue-beam-3x3/frf_3x3.csv").lexically_normal();
   if (!fs::exists(file)) GTEST_SKIP() << file << " is not here";
   const auto text =
@@ -132,7 +132,7 @@ cut_off_db = 60
 }
 
 TEST_F(FreeBar, HasFourModesThatAreFound) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   if (!fs::exists(file())) GTEST_SKIP() << file() << " is not here";
   const auto json = identified(study(""), file());
   expect_the_four_modes(json);

@@ -274,7 +274,7 @@ TEST_F(Observe, TriesTheLoopOnTheEstimateBesideTheOneOnTheSensors) {
 
 // What is not known of a mode was drawn as known. Modes beyond the lines are known together alone.
 TEST_F(Observe, DrawsWhatIsNotKnownOfAModeWithinTheLines) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   prepare();
   const auto study = study_with(kObserver +
                                 "[observer.loop]\nactuators = [\"a1\", \"a2\", \"a3\", "
@@ -380,7 +380,7 @@ TEST_F(Observe, RefusesWhatCannotBeMeant) {
 }
 
 TEST_F(Observe, LeavesItsFiles) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   prepare();
   run("observer.toml", "observer", observe_command);
   const auto json = io::parse_json(read_whole(folder_->path() / "observer" / "observe.json"));

@@ -94,6 +94,24 @@ TEST_F(Simulate, RefusesNamesThatATableCannotHoldBeforeItSolves) {
   EXPECT_NE(said.find("CSV cannot hold the names"), std::string::npos) << said;
 }
 
+// Recordings and universal files have rules of their own.
+TEST_F(Simulate, RefusesNamesThatItsOtherFilesCannotHoldBeforeItSolves) {
+  const std::string too_fine = "mesh = { edge_length = \"1 um\" }\n";
+  const auto said_of = [&](const std::string& name, const std::string& more,
+                           const std::string& keys) {
+    return refusal_of([&] {
+      return run(too_fine + in_other_words(kStrip, "\"y1\"", "\"" + name + "\"") + more +
+                 "[experiment]\n" + kShort + keys);
+    });
+  };
+  const auto recordings = said_of("y1 [mm]", "", "leaves = \"time\"\n");
+  EXPECT_NE(recordings.find("CSV cannot hold the channel name"), std::string::npos) << recordings;
+  const auto uff = said_of(std::string(61, 'y'), "[measurement]\nfrf = \"m.uff\"\n", "");
+  EXPECT_NE(uff.find("UFF cannot hold the channel name"), std::string::npos) << uff;
+  const auto other = said_of("y1", "[measurement]\nfrf = \"m.xlsx\"\n", "");
+  EXPECT_NE(other.find(".xlsx"), std::string::npos) << other;
+}
+
 TEST_F(Simulate, MeasuresTheChainWithinTheStatedVariance) {
   const auto out = run(kStrip + "[experiment]\n" + kShort +
                        "structure = \"rigid_chain\"\nwarm_up = 20\nperiods = 4\nrealisations = 6\n"
@@ -146,8 +164,20 @@ TEST_F(Simulate, SaysWhereTheBandGoesBeyondTheModel) {
     for (const auto& note : json.at("notes").array()) all += note.string() + "\n";
     return all;
   };
-  EXPECT_NE(notes_of("16 kHz", "6 kHz").find("the responses lack the modes"), std::string::npos);
+  EXPECT_NE(notes_of("64 kHz", "24 kHz").find("the responses lack the modes"), std::string::npos);
   EXPECT_EQ(notes_of("1024 Hz", "40 Hz").find("the responses lack the modes"), std::string::npos);
+}
+
+// A diagnosis of such responses has 64 modes, however few a study shows.
+TEST_F(Simulate, ResponsesDoNotTurnOnTheModesThatAreShown) {
+  const std::string text =
+      kPlate + plate_channels() +
+      "[experiment]\nsample_rate = \"16 kHz\"\nsamples = 2048\nwarm_up = 3\nperiods = 1\n"
+      "realisations = 1\nband = [\"20 Hz\", \"4 kHz\"]\n"
+      "controlled = [\"actuator1\", \"actuator2\", \"actuator3\"]\nbandwidth = \"8 Hz\"\n";
+  const auto few = read_whole(run(text, "few") / "measured.csv");
+  const auto more = in_other_words(text, "count = 4,", "count = 9,");
+  EXPECT_EQ(read_whole(run(more, "more") / "measured.csv"), few);
 }
 
 TEST_F(Simulate, TheSameSeedLeavesTheSameBytes) {

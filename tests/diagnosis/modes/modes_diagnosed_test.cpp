@@ -187,7 +187,7 @@ TEST_F(DiagnosedModes, NameTheModulusWhereResiduesAreKnown) {
 
 // However far off it is: no other body has frequencies that fit so well.
 TEST_F(DiagnosedModes, NameAModulusThatIsFarOffWhereTheFrequenciesFit) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   const Hidden hidden{"youngs_modulus", 0, VectorXd::Constant(1, std::log(2.5))};
   const auto found = diagnosed(study(), scaled(measured_with({hidden}, 3), {hidden}), options());
   expect_named(found, "youngs_modulus", "relative", 1.5, 0.2);

@@ -86,7 +86,7 @@ TEST(MeasuredModes, AreNotThereWhereTheirFrequencyIsNotKnown) {
 
 // The infinite deviation made every likelihood infinite, and the search ended the program.
 TEST(MeasuredModes, AreDiagnosedWithoutTheDampingOfOne) {
-  EVERY_FOURTH_LANDING();
+  EVERY_EIGHTH_LANDING();
   auto modes = measured_of(modes_of(loaded()), 0.01);
   modes.damping_ratio(2) = kNone;
   modes.damping_std(2) = 0.0;

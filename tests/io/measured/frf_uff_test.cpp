@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "base/error.h"
@@ -348,6 +349,27 @@ TEST(FrfUff, NamesAllThatItLeavesOut) {
                       "UFF holds no number of averages: it is left out",
                       "UFF holds directions along the axes only: that of y2 is left out",
                       "UFF holds one place of a node: that of u1, at node 3, is left out"}));
+}
+
+// A channel that was never measured left no trace.
+TEST(FrfUff, NamesTheChannelsWithoutAResponse) {
+  constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+  modal::FrfSet set = random_set(3, 2, 4, 5);
+  set.variance.clear();
+  set.noise_variance.clear();
+  for (auto& line : set.value) {
+    line.row(1).setConstant({nothing, nothing});
+    line(2, 0) = {nothing, nothing};
+  }
+  std::vector<std::string> lost;
+  const auto back = parse_frf_uff(frf_uff(set, UffEncoding::text, lost), "t.uff").set;
+  EXPECT_EQ(back.output_count(), 2);
+  EXPECT_TRUE(std::isnan(back.value[0](1, 0).real()));
+  ASSERT_EQ(lost.size(), 1U);
+  EXPECT_EQ(lost[0], "UFF holds no channel without a measured response: y2 is left out");
+  for (auto& line : set.value) line.col(0).setConstant({nothing, nothing});
+  (void)frf_uff(set, UffEncoding::text, lost);
+  EXPECT_EQ(lost.back(), "UFF holds no channel without a measured response: u1 is left out");
 }
 
 // Channels without nodes at places of their own must not share one.

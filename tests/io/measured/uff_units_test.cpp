@@ -28,6 +28,22 @@ TEST(UffUnits, CountMoreThanTheTypeOfTheData) {
   }
 }
 
+// A channel of a stated motion had no unit where another channel states no motion.
+TEST(UffUnits, OfSiAreThoseOfTheMotionsThatTheFileStates) {
+  Sample58 known;
+  known.ordinate = 11;
+  known.label = known.unit = "NONE";
+  auto unknown = known;
+  unknown.ordinate = 0;
+  unknown.response_node = 13;
+  const auto bytes = dataset_58(known) + dataset_58(unknown);
+  const auto outputs = parse_frf_uff(bytes, "t.uff", {.unit = kEachInSi}).set.outputs;
+  ASSERT_EQ(outputs.size(), 2U);
+  EXPECT_EQ(outputs[0].kind, modal::FrfKind::mobility);
+  EXPECT_EQ(outputs[0].unit, "m/s");
+  EXPECT_EQ(outputs[1].unit, "");
+}
+
 // Pounds and kilonewtons in capitals or brackets were newtons, without a word.
 TEST(UffUnits, OfForcesAreReadAsProgramsSpellThem) {
   struct Case {

@@ -23,6 +23,7 @@ Recipe believed(const HiddenOptions& options) {
   recipe.rig = rig_named(options.rig, options.degree);
   recipe.degree = options.degree;
   recipe.above_hz = options.above_hz;
+  recipe.on_face = options.on_face;
   recipe.body = recipe.rig.body;
   recipe.channels = recipe.rig.channels;
   recipe.output_tilts = Eigen::MatrixX2d::Zero(recipe.channels.outputs.rows(), 2);

@@ -54,6 +54,9 @@ struct HiddenOptions {
   double correlation = 0.0;
   double own_delay_s = 0.0;  ///< of each channel, beside the common delay
   double fixtures = 0.0;     ///< of masses and springs fixed to the body, relative
+  /// True: hidden masses sit on the upper face, as on a solid, and move aside with it. False: they
+  /// sit on the middle plane, as a diagnosis from a plate's deflections has them.
+  bool on_face = false;
   /// The modes that `modes_above` softens begin here; 0: after 64.
   double above_hz = 0.0;
 };

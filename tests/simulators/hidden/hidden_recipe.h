@@ -26,6 +26,7 @@ struct Recipe {
   RitzBody body;
   bool same_body = true;
   std::vector<RitzPoint> points;
+  bool on_face = false;  ///< as HiddenOptions
   std::vector<RitzResonator> resonators;
   std::vector<RitzPad> pads;
   std::optional<RitzFrame> frame;

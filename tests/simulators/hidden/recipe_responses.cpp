@@ -120,6 +120,15 @@ std::vector<Eigen::MatrixXcd> plate_responses(const RitzStage& stage, const Reci
   return value;
 }
 
+// Half the thickness above the middle plane a mass moves aside by as much for each slope.
+std::vector<RitzPoint> points_of(const Recipe& recipe) {
+  auto points = recipe.points;
+  if (!recipe.on_face) return points;
+  const double height = 0.5 * recipe.body.thickness(0, 0);
+  for (auto& point : points) point.rotary_inertia += point.mass * height * height;
+  return points;
+}
+
 }  // namespace
 
 std::vector<Eigen::MatrixXcd> responses(const Recipe& recipe, const Eigen::VectorXd& hz,
@@ -127,7 +136,7 @@ std::vector<Eigen::MatrixXcd> responses(const Recipe& recipe, const Eigen::Vecto
   const auto& nominal = believed_modes(recipe.rig.name, recipe.degree);
   RitzStage stage{recipe.same_body ? nominal : ritz_modes(recipe.body), {}, {}, {}, {}, {}};
   stage.damping = damping_of(recipe, nominal, stage.plate, damping_stays);
-  stage.points = recipe.points;
+  stage.points = points_of(recipe);
   stage.resonators = recipe.resonators;
   stage.pads = recipe.pads;
   stage.frame = recipe.frame;

@@ -18,9 +18,10 @@ using std::numbers::pi;
 using Complex = std::complex<double>;
 
 constexpr double kRigidHz = 0.05;
-constexpr double kDynamic = 2.5;   // times the band: modes with damping
-constexpr double kSeen = 3e-2;     // of the median residue
-constexpr double kPadPitch = 0.2;  // of the radius
+constexpr double kDynamic = 2.5;     // times the band: modes with damping
+constexpr double kSeen = 3e-2;       // of the median residue
+constexpr double kPadPitch = 0.2;    // of the radius
+constexpr double kSlopeStep = 2e-3;  // of the body's length
 
 struct System {
   Eigen::MatrixXd mass, stiffness, damping;
@@ -39,6 +40,24 @@ Eigen::VectorXd row_at(const BareModes& bare, const Eigen::Vector2d& place, Inde
   Eigen::VectorXd row = Eigen::VectorXd::Zero(size);
   row.head(bare.frequency_hz.size()) = bare.shapes_at(place.transpose()).row(0).transpose();
   return row;
+}
+
+// Rows of a place on the upper face, which moves aside by half the thickness for each slope:
+// 2×size.
+Eigen::MatrixXd aside_at(const RealBody& body, const BareModes& bare, const Eigen::Vector2d& place,
+                         Index size) {
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2, size);
+  for (Index axis = 0; axis < 2; ++axis) {
+    const Eigen::Vector2d step = kSlopeStep * body.size() * Eigen::Vector2d::Unit(axis);
+    const Eigen::Vector2d ahead = body.covers(place + step) ? Eigen::Vector2d(place + step) : place;
+    const Eigen::Vector2d behind =
+        body.covers(place - step) ? Eigen::Vector2d(place - step) : place;
+    const double apart = (ahead - behind).norm();
+    if (apart == 0.0) continue;
+    rows.row(axis) = 0.5 * body.rig.body.thickness(0, 0) / apart *
+                     (row_at(bare, ahead, size) - row_at(bare, behind, size)).transpose();
+  }
+  return rows;
 }
 
 // Places on a regular grid within the pad and on the body.
@@ -65,6 +84,9 @@ void attach(System& system, const RigRecipe& recipe, const BareModes& bare) {
   for (const auto& point : recipe.points) {
     const auto shape = row_at(bare, point.place, size);
     system.mass_at(shape, point.mass);
+    for (const auto aside : aside_at(recipe.body, bare, point.place, size).rowwise()) {
+      system.mass_at(aside.transpose(), point.mass);
+    }
     system.spring_at(shape, point.stiffness);
     system.damper_at(shape, point.damping);
   }

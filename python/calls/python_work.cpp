@@ -1,4 +1,4 @@
-#include "python/python_work.h"
+#include "python/calls/python_work.h"
 
 #include <pybind11/stl.h>
 

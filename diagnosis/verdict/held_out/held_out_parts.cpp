@@ -1,4 +1,4 @@
-#include "diagnosis/verdict/held_out_parts.h"
+#include "diagnosis/verdict/held_out/held_out_parts.h"
 
 #include <algorithm>
 #include <numbers>

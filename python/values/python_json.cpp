@@ -1,4 +1,4 @@
-#include "python/python_json.h"
+#include "python/values/python_json.h"
 
 #include <cmath>
 

@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "modal/frf_set.h"
-#include "python/given.h"
+#include "python/values/given.h"
 
 namespace chladni::python {
 

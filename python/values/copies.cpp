@@ -1,4 +1,4 @@
-#include "python/copies.h"
+#include "python/values/copies.h"
 
 #include <fmt/format.h>
 #include <pybind11/complex.h>
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "python/frf_arrays.h"
+#include "python/values/frf_arrays.h"
 
 namespace chladni::python {
 namespace {

@@ -1,4 +1,4 @@
-#include "diagnosis/verdict/cross_validated.h"
+#include "diagnosis/verdict/held_out/cross_validated.h"
 
 #include <fmt/format.h>
 
@@ -14,8 +14,8 @@
 #include "diagnosis/constants.h"
 #include "diagnosis/fit/sensitivities.h"
 #include "diagnosis/search/simpler.h"
-#include "diagnosis/verdict/held_out_parts.h"
-#include "diagnosis/verdict/part_misfit.h"
+#include "diagnosis/verdict/held_out/held_out_parts.h"
+#include "diagnosis/verdict/held_out/part_misfit.h"
 
 namespace chladni::diagnosis {
 namespace {

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "base/error.h"
-#include "python/long_call.h"
+#include "python/calls/long_call.h"
 #include "python/opened_study.h"
-#include "python/seed.h"
+#include "python/values/seed.h"
 #include "stage/work.h"
 
 namespace chladni::python {

@@ -1,4 +1,4 @@
-#include "python/given.h"
+#include "python/values/given.h"
 
 #include <fmt/format.h>
 

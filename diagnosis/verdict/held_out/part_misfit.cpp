@@ -1,4 +1,4 @@
-#include "diagnosis/verdict/part_misfit.h"
+#include "diagnosis/verdict/held_out/part_misfit.h"
 
 #include <algorithm>
 #include <cmath>
