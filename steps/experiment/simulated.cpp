@@ -131,13 +131,11 @@ void note_flank(const study::ExperimentPlan& plan, const Eigen::VectorXd& all_hz
   const double high = bench.plan.multisine.high_hz;
   const double grows = 1.0 / (1.0 - std::pow(high / next, 2));
   if (grows < kFlankTold) return;
-  bench.notes.push_back(
-      fmt::format("the mode at {:.6g} Hz, above half the sample rate, only yields statically: at "
-                  "the end of the "
-                  "band, {:.6g} Hz, its part is {:.2g} times too small; sample_rate = \"{:.3g} "
-                  "Hz\" or more has "
-                  "its resonance",
-                  next, high, grows, 2.5 * next));
+  bench.notes.push_back(fmt::format(
+      "the mode at {:.6g} Hz, above half the sample rate, only yields statically: at {:.6g} Hz, "
+      "the end of the band, its part is {:.2g} times too small; sample_rate = \"{:.3g} Hz\" or "
+      "more has its resonance",
+      next, high, grows, 2.5 * next));
 }
 
 // The structure has no fewer modes than a diagnosis takes. Those beyond what the study asks for do
