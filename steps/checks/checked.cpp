@@ -85,9 +85,8 @@ void require_named_study(const study::Study& study, const study::DataFile& file,
   }
 }
 
-// The command that writes a measured file of this study; empty where `simulate` does not.
+// The command that writes a measured file of this study; empty where another one does.
 std::string command_that_writes(const study::Study& study, const study::DataFile& file) {
-  if (!study.experiment) return "";
   const bool recordings = study.experiment->leaves_time;
   const auto command = "chladni simulate " + shell_word(study.file.string());
   if (file.key == "measurement.frf") return recordings ? "" : command;
@@ -102,10 +101,12 @@ void look_for_files(const study::Study& study, stage::Work& work) {
   study::Problems problems(study.file.string());
   for (const auto& file : study.files) {
     const auto fault = fault_at(study, file);
-    const auto command = command_that_writes(study, file);
-    if (!command.empty() && !std::filesystem::exists(file.path)) {
-      work.note(file.key + " \"" + file.path.filename().string() +
-                "\" is not there yet: " + command + " writes it");
+    const bool to_come = study.experiment && !std::filesystem::exists(file.path) &&
+                         (file.key == "measurement.frf" || file.key == "measurement.time");
+    if (to_come) {
+      const auto command = command_that_writes(study, file);
+      work.note(fmt::format("{} \"{}\" is not there yet{}", file.key, file.path.filename().string(),
+                            command.empty() ? "" : ": " + command + " writes it"));
     } else if (!fault.empty()) {
       problems.add(file.line, file.column, fault);
     } else if (names_study(file)) {
