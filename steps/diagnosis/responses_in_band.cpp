@@ -177,7 +177,9 @@ std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, bool
   try {
     identification::FitDataOptions how;
     if (!variance_stated) how.model_error = kAssumedModelError;
-    return fitted_modes(identification::fit_data(seen, how), study);
+    auto data = identification::fit_data(seen, how);
+    if (!variance_stated) data.error_share = 1.0;  // of the scatter that stands for the noise, too
+    return fitted_modes(data, study);
   } catch (const InvalidInput& e) {
     return none(e);
   } catch (const NumericalFailure& e) {
