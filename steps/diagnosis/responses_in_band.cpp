@@ -26,12 +26,6 @@ using Eigen::Index;
 constexpr Index kFarModes = 3;  // of a suspension and a frame
 constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
-// True if some variance is above 0: zeros are none.
-bool states_variances(const modal::FrfSet& set) {
-  return std::ranges::any_of(set.variance,
-                             [](const auto& line) { return (line.array() > 0.0).any(); });
-}
-
 // Takes variances from the weights of a fit to the same data where `lacks` says so of a finite
 // value, whose variance is 0. What these take for not measured is so here. Returns their number.
 template <typename Lacks>
@@ -183,7 +177,9 @@ std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, bool
   try {
     identification::FitDataOptions how;
     if (!variance_stated) how.model_error = kAssumedModelError;
-    return fitted_modes(identification::fit_data(seen, how), study);
+    auto data = identification::fit_data(seen, how);
+    if (!variance_stated) data.error_share = 1.0;  // of the scatter that stands for the noise, too
+    return fitted_modes(data, study);
   } catch (const InvalidInput& e) {
     return none(e);
   } catch (const NumericalFailure& e) {

@@ -90,6 +90,11 @@ modal::FrfKind kind_of(const std::string& quantity) {
   return modal::FrfKind::receptance;
 }
 
+bool states_variances(const modal::FrfSet& set) {
+  return std::ranges::any_of(set.variance,
+                             [](const auto& line) { return (line.array() > 0.0).any(); });
+}
+
 bool has_responses(const study::MeasurementPlan& plan) {
   return !plan.frf.empty() || !plan.time.empty();
 }
@@ -143,6 +148,7 @@ MeasuredFrfs measured_frfs(const study::Study& study, stage::Work& work, bool wi
   MeasuredFrfs result;
   result.file = path.string();
   result.all = on_channels(study, set, matched, result.file);
+  if (!states_variances(result.all)) result.all.variance.clear();  // zeros state none
   result.quality = std::move(recorded.quality);
   result.added_decay = recorded.added_decay;
   result.folds = std::move(recorded.folds);
