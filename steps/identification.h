@@ -37,9 +37,6 @@ inline constexpr double kAssumedModelError = 0.01;
 /// True if `[measurement]` names a file of responses or recordings.
 [[nodiscard]] bool has_responses(const study::MeasurementPlan& plan);
 
-/// True if a variance above 0 stands in the set.
-[[nodiscard]] bool states_variances(const modal::FrfSet& set);
-
 /// The file of `[measurement]`, or the FRFs estimated from its recordings.
 /// @throws InvalidInput  no file is named; no channel of the study is in it; the unit of a channel
 ///                       does not fit the quantity in the study

@@ -16,6 +16,7 @@
 #include "identification/fit_data.h"
 #include "identification/identified.h"
 #include "identification/trust.h"
+#include "modal/stated_variances.h"
 #include "steps/identification.h"
 
 namespace chladni::steps {
@@ -92,7 +93,7 @@ void complete_variances(modal::FrfSet& set, stage::Work& work) {
 // Estimates variances that the file does not state from the scatter of the lines.
 void state_variance(MeasuredFrfs& measured, stage::Work& work) {
   auto& set = measured.all;
-  measured.variance_stated = states_variances(set);
+  measured.variance_stated = modal::states_variances(set);
   if (measured.variance_stated) {
     complete_variances(set, work);
     return;

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "io/frf_file.h"
+#include "modal/stated_variances.h"
 #include "stage/channel_paths.h"
 #include "steps/identification.h"
 #include "steps/measured/measured_channels.h"
@@ -90,11 +91,6 @@ modal::FrfKind kind_of(const std::string& quantity) {
   return modal::FrfKind::receptance;
 }
 
-bool states_variances(const modal::FrfSet& set) {
-  return std::ranges::any_of(set.variance,
-                             [](const auto& line) { return (line.array() > 0.0).any(); });
-}
-
 bool has_responses(const study::MeasurementPlan& plan) {
   return !plan.frf.empty() || !plan.time.empty();
 }
@@ -148,7 +144,7 @@ MeasuredFrfs measured_frfs(const study::Study& study, stage::Work& work, bool wi
   MeasuredFrfs result;
   result.file = path.string();
   result.all = on_channels(study, set, matched, result.file);
-  if (!states_variances(result.all)) result.all.variance.clear();  // zeros state none
+  if (!modal::states_variances(result.all)) result.all.variance.clear();  // zeros state none
   result.quality = std::move(recorded.quality);
   result.added_decay = recorded.added_decay;
   result.folds = std::move(recorded.folds);

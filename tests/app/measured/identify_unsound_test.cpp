@@ -77,7 +77,7 @@ TEST_F(Identify, ScoresASecondRecordOnTheResponsesOfTheFirst) {
   EXPECT_LT(score.at("residual_over_noise").number(), 1.5);
 }
 
-// Of many outlying lines the worst stand first.
+// The worst of many outlying lines stand first.
 TEST_F(Identify, ListsTheWorstOfManyOutlyingLines) {
   auto set = measured(recordings::beam_with_coils(), 5, {1, 2, 3, 4, 5});
   for (std::size_t k = 300; k < 700; k += 40) {
