@@ -25,7 +25,7 @@ constexpr double kMostNumbers = 1e8;  // in a table of recordings: 2 GB of text
 // The file for the recordings, or for the responses. A file of responses that an earlier run did
 // not write is not overwritten.
 fs::path target_of(const study::Study& study, show::Run& run) {
-  if (study.experiment->leaves_time) return run / "time_data.csv";
+  if (study.experiment->leaves_time) return run / steps::kRecordingsFile;
   const bool stated = study.measurement && !study.measurement->frf.empty();
   const fs::path file = stated ? study.measurement->frf : run / "measured.csv";
   if (!stated || !fs::exists(file)) return file;

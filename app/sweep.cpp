@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "host/atomic_file.h"
 #include "host/parallel.h"
+#include "host/shell_word.h"
 #include "study/sweep_plan.h"
 #include "sweep/gathered.h"
 #include "sweep/scripts.h"
@@ -106,7 +107,8 @@ void leave_scripts(const SweepCommand& command, const sweep::Sweep& sweep, std::
     return;
   }
   results << fmt::format("{} variants\nsbatch {}\nmake -k -j 8 -f {}\nchladni gather {} -o {}\n",
-                         sweep.size(), sbatch, make, command.plan.string(), folder.string());
+                         sweep.size(), shell_word(sbatch), shell_word(make),
+                         shell_word(command.plan.string()), shell_word(folder.string()));
 }
 
 struct Tally {

@@ -5,8 +5,8 @@ stands in another of them.
 
 The sources are named as in tests/fuzz/sources.cmake (io/scan). What they define and what they need is
 read from the objects of the rooms in the folder BUILD, or from objects made for it where the rooms
-compile several files as one. That takes half a minute: the parsers have their turn where the number
-that the program SAMPLE prints is even, what is measured where it is odd (tests/rotation).
+compile several files as one. That takes half a minute: each has its turn at every fourth number that
+the program SAMPLE prints, the parsers at 0, what is measured at 2 (tests/rotation).
 """
 import concurrent.futures
 import os
@@ -55,8 +55,10 @@ def main():
     root, build = Path(sys.argv[1]), Path(sys.argv[2])
     end = sys.argv.index("--")
     sources, compiler = sys.argv[5:end], sys.argv[end + 1:]
-    number = subprocess.run([sys.argv[4], root], stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
-    if number != "all" and int(number) % 2 != (sys.argv[3] == "measured"):
+    sys.path.insert(0, str(root / "tests" / "rotation"))
+    from turn import drawn_number
+    number = drawn_number(sys.argv[4], root)
+    if number is not None and number % 4 != 2 * (sys.argv[3] == "measured"):
         print(f"has its turn at another landing than number {number}: CHLADNI_STUDIES=all runs it")
         sys.exit(77)
     folders = {}

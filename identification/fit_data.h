@@ -20,6 +20,10 @@ struct FitData {
   double shared_lines = 1.0;   ///< neighbouring lines that share one estimate of the variance
   bool weights_are_deviations = true;  ///< else they only say what counts how much: 1/|G|
   double model_error = 0.0;            ///< ε that was asked for, relative to the responses
+  /// The part of the cost that the model's own error may leave: the mean of (ε |G|)² over the
+  /// squared deviation. 0 where the noise is known, 1 where no variance is stated or it is of too
+  /// few averages.
+  double error_share = 0.0;
 
   [[nodiscard]] Eigen::Index line_count() const { return frequency_hz.size(); }
   [[nodiscard]] Eigen::Index response_count() const { return value.cols(); }

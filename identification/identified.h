@@ -46,7 +46,8 @@ struct Identified {
 /// more than noise is left, the mode that explains most of it is added and kept if the Bayesian
 /// information criterion accepts it.
 /// Where the noise is not known, the residual of the fit gives its level, and a further mode must
-/// lower the cost by 2 %. With general damping the delay is that of real modes unless the data
+/// lower the cost by 2 %; beside a stated model error by 2 % of the part that this error may leave
+/// (FitData::error_share). With general damping the delay is that of real modes unless the data
 /// require another: a delay and the phases of complex modes are hardly distinguishable, and the
 /// deviation of the delay states this. Where no variance is stated, resonances that differ in
 /// frequency between responses are aligned first (drift.h); else each would become several modes.

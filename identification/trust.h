@@ -44,7 +44,7 @@ struct Judgement {
   Trust trust = Trust::good;
   double level = 1.0;           ///< noise_level: squared residual over squared noise
   double relative_error = 0.0;  ///< |G − Ĝ| over |G|, all responses and lines
-  double unexplained = 0.0;     ///< part of Σ|G|² that is neither fitted nor noise
+  double unexplained = 0.0;     ///< part of Σ|G|² neither fitted nor noise: mean of all responses
   double doubtful_part = 0.0;   ///< their part of the power of all modes, each mode taken by itself
   std::vector<OutlyingValue> outlying;
   std::vector<DoubtfulMode> doubtful;
@@ -66,7 +66,7 @@ struct Judgement {
 [[nodiscard]] const char* word(Trust trust);
 
 /// A fit is not to be trusted if
-/// - it leaves a quarter of the data's power unexplained by itself or noise,
+/// - it leaves a quarter of the responses' power unexplained by itself or noise, each by its own,
 /// - half of its modes' power is in doubtful modes, or no mode but those beyond the lines is left;
 ///   doubtful modes beyond the lines are not counted, since they cancel each other within,
 /// - no variance is stated, and the modes within the lines explain less than is left, where

@@ -9,6 +9,9 @@
 
 namespace chladni::steps {
 
+/// The recordings that `simulate` leaves among its results.
+inline constexpr const char* kRecordingsFile = "time_data.csv";
+
 struct Bench {
   recordings::VirtualRig rig;
   recordings::VirtualExperimentPlan plan;

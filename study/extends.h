@@ -72,7 +72,7 @@ template <typename Node>
     }
   }
   std::erase_if(named, [](const Node* node) {
-    return node == nullptr || node->kind != TomlNode::Kind::text ||
+    return node == nullptr || node->kind != TomlNode::Kind::text || node->text.empty() ||
            std::filesystem::path(node->text).is_absolute();
   });
   return named;

@@ -1,5 +1,6 @@
 #include "sweep/gathered.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -50,11 +51,14 @@ Eigen::VectorXd results_of(const study::SweepPlan& plan, const Entry& entry) {
   return results;
 }
 
+constexpr double kEqual = 1e-9;  // relative: eigenvalues repeat to it
+
 bool dominates(const Eigen::MatrixXd& values, Eigen::Index a, Eigen::Index b) {
   bool better = false;
   for (Eigen::Index k = 0; k < values.cols(); ++k) {
-    if (values(a, k) < values(b, k)) return false;
-    better = better || values(a, k) > values(b, k);
+    const double size = std::max(std::abs(values(a, k)), std::abs(values(b, k)));
+    if (values(a, k) < values(b, k) - kEqual * size) return false;
+    better = better || values(a, k) > values(b, k) + kEqual * size;
   }
   return better;
 }

@@ -264,6 +264,11 @@ Block start_block(Basis& basis, const Factorization& factor, Eigen::Index rows,
   q.image_fits = false;
   basis.orthogonalise(q);
   basis.normalise(q, 0.0);
+  if (q.v.cols() == 0 || !q.v.allFinite()) {
+    throw NumericalFailure(
+        "modes: the squares of the motions are beyond the range of numbers; expected a modulus, a "
+        "density and a size of some material in SI units");
+  }
   return q;
 }
 

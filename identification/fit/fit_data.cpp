@@ -240,6 +240,16 @@ void fill(FitData& data, const modal::FrfSet& set, const std::vector<Response>& 
   }
 }
 
+// The part of the squared deviations that is not the stated variance, over what was measured.
+double share_of_model_error(const FitData& data, const std::vector<Response>& all) {
+  double noise = 0.0;
+  for (Eigen::Index e = 0; e < data.response_count(); ++e) {
+    noise += all[static_cast<std::size_t>(e)].variance.dot(data.weight.col(e).cwiseAbs2());
+  }
+  const double measured = 0.5 * static_cast<double>(data.measured_count());
+  return std::clamp(1.0 - noise / std::max(1.0, measured), 0.0, 1.0);
+}
+
 constexpr double kLeastFreedom = 2.0;  // of a variance, so that its inverse has a mean square
 
 // Number of neighbours that share one variance. For means over W lines with ν degrees of freedom in
@@ -309,6 +319,10 @@ FitData fit_data(const modal::FrfSet& measured, const FitDataOptions& options) {
   data.weights_are_deviations = options.weighting == Weighting::variance;
   data.model_error = options.model_error;
   fill(data, set, all, options);
+  if (!data.noise_known) {
+    const bool few = !unstated && set.averages <= kLeastFreedom;
+    data.error_share = data.noise_stated && !few ? share_of_model_error(data, all) : 1.0;
+  }
   if (data.noise_known && !unstated) {
     data.noise_freedom = set.averages;
     data.shared_lines = lines_of_one_variance(data);

@@ -104,7 +104,11 @@ std::optional<Drift> drift_that_matters(FitData& data, const Start& found,
   if (!moved.matters()) return std::nullopt;
   if (!matters_beside_modes_above(data, start, options.fit)) return std::nullopt;
   if (start.pole.size() < found.pole.size()) {  // perhaps the left-out poles are modes
-    if (modal_fit(data, found, first_fit_options(options.fit)).cost < fit.cost) return std::nullopt;
+    auto shifted = fit;
+    shifted.parameter_count += data.response_count() - 1;  // their shifts about a mean of 0
+    if (is_better(data, modal_fit(data, found, first_fit_options(options.fit)), shifted)) {
+      return std::nullopt;
+    }
   }
   data = without_drift(data, fit, moved.shift);
   return moved;

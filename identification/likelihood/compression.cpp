@@ -124,7 +124,9 @@ FitData projected(const std::vector<Eigen::MatrixXd>& by_input, const Eigen::Mat
                  .noise_stated = like.noise_stated,
                  .freedom_known = like.freedom_known,
                  .noise_freedom = like.noise_freedom,
-                 .shared_lines = like.shared_lines};
+                 .shared_lines = like.shared_lines,
+                 .model_error = like.model_error,
+                 .error_share = like.error_share};
   result.value.resize(lines, rows * right.cols());
   for (Eigen::Index e = 0; e < result.value.cols(); ++e) {
     const auto column = z.col(e / rows).segment(2 * lines * (e % rows), 2 * lines);

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/upper_median.h"
+#include "modal/stated_variances.h"
 
 namespace chladni::identification {
 namespace {
@@ -23,12 +24,6 @@ struct Curve {
   Eigen::VectorXd omega, weight;
   Eigen::VectorXcd value;
 };
-
-// Whether variances are stated; zeros on all lines of all responses are none (as in fit_data).
-bool states_variances(const modal::FrfSet& set) {
-  return std::ranges::any_of(set.variance,
-                             [](const auto& line) { return (line.array() > 0.0).any(); });
-}
 
 // A line that is repeated to the last bit has no variance; this least deviation keeps its weight
 // finite (as in fit_data).
@@ -42,7 +37,7 @@ double least_deviation(const modal::FrfSet& set, Eigen::Index i, Eigen::Index j)
 }
 
 std::vector<Curve> curves(const modal::FrfSet& set) {
-  const bool stated = states_variances(set);
+  const bool stated = modal::states_variances(set);
   std::vector<Curve> result;
   for (Eigen::Index j = 0; j < set.input_count(); ++j) {
     for (Eigen::Index i = 0; i < set.output_count(); ++i) {
@@ -210,7 +205,7 @@ DelayEstimate delay_at_poles(const modal::FrfSet& set, const Eigen::VectorXcd& p
     delay += step;
     // Each of the two real numbers of a line has half the line's variance.
     const double per_number =
-        states_variances(set) ? 0.5 : sum.cost / static_cast<double>(sum.freedom);
+        modal::states_variances(set) ? 0.5 : sum.cost / static_cast<double>(sum.freedom);
     const double deviation = std::sqrt(per_number / sum.curvature);
     if (std::abs(step) <= 1e-4 * deviation || std::abs(step) <= 1e-15 + 1e-10 * std::abs(delay)) {
       return {delay, deviation,

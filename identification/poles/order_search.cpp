@@ -121,12 +121,15 @@ std::vector<Eigen::Index> doubtful_within(const FitData& data, const Start& star
   return unusual;
 }
 
+// Least part of the cost that a further mode must take. The model's own error draws modes as well,
+// where it is a part of what is left.
+double least_part(const FitData& data) { return Constants::least_decrease * data.error_share; }
+
 // Whether a fit with a mode above the lines explains as much as one with a mode within, but for the
 // least that a mode is worth: modes above exist, one within has to show.
 bool explains_as_much(const FitData& data, const ModalFit& above, const ModalFit& within) {
   const double lost = above.cost - within.cost;
-  const bool small = !data.noise_known && lost < Constants::least_decrease * above.cost;
-  return small || lost < least_significance(data, within.cost);
+  return lost < least_part(data) * above.cost || lost < least_significance(data, within.cost);
 }
 
 // Exchanges a mode within the lines for one above them if that explains as much.
@@ -174,7 +177,9 @@ bool try_above(const FitData& data, const Start& start, const FitOptions& how,
   if (!options.far_modes) drop_modes_without_resonance(data, how, *fit);
   Identified above{.fit = *std::move(fit), .steps = {}, .start_order = 0, .drift = {}};
   drop_idle_modes(data, how, above);
-  const bool taken = is_better(data, above.fit, result.fit);
+  const bool as_many = above.fit.parameter_count == result.fit.parameter_count;
+  const bool taken = as_many ? explains_as_much(data, above.fit, result.fit)
+                             : is_better(data, above.fit, result.fit);
   result.steps.push_back({above.fit.flexible_count(), above.fit.cost, above.fit.excess(), taken});
   if (taken) result.fit = std::move(above.fit);
   return taken;
@@ -189,8 +194,7 @@ bool pays(const FitData& data, const ModalFit& before, const ModalFit& after) {
                         std::log(static_cast<double>(data.measured_count()));
   const double won = before.cost - after.cost;
   const auto more = std::max<Eigen::Index>(1, after.flexible_count() - before.flexible_count());
-  const double least = Constants::least_decrease * static_cast<double>(more) * before.cost;
-  return won > needed && (data.noise_known || won > least);
+  return won > needed && won > least_part(data) * static_cast<double>(more) * before.cost;
 }
 
 bool is_better(const FitData& data, const ModalFit& one, const ModalFit& other) {

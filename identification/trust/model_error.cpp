@@ -37,6 +37,9 @@ FitData with_model_error(const FitData& noise_only, const Eigen::MatrixXcd& fitt
   const Eigen::ArrayXXd off =
       (model_error.asDiagonal() * fitted.cwiseAbs()).array() * noise_only.weight.array();
   data.weight = noise_only.weight.array() / (1.0 + off.square()).sqrt();
+  const Eigen::ArrayXXd share = off.square() / (1.0 + off.square());
+  const double measured = 0.5 * static_cast<double>(data.measured_count());
+  data.error_share = std::max(noise_only.error_share, share.sum() / std::max(1.0, measured));
   data.noise_known = noise_only.noise_known && model_error.isZero(0.0);
   return data;
 }

@@ -14,6 +14,31 @@
 namespace chladni::identification {
 namespace {
 
+// Whether the mean square of a residue L_i R_j over its deviation says so. The unit of no channel
+// matters to it, nor how the scale is shared by the two sides. What is not measured is left out.
+bool is_shape_known(const ModalFit& fit, Eigen::Index m) {
+  if (m >= std::ssize(fit.mode_covariance)) return true;  // the fit tells no deviations
+  const Eigen::VectorXd outputs = fit.model.output_shapes.col(m);
+  const Eigen::VectorXd inputs = fit.model.input_shapes.row(m).transpose();
+  const auto p = outputs.size();
+  const Eigen::MatrixXd& covariance = fit.mode_covariance[static_cast<std::size_t>(m)];
+  double square = 0.0;
+  double count = 0.0;
+  for (Eigen::Index i = 0; i < p; ++i) {
+    for (Eigen::Index j = 0; j < inputs.size(); ++j) {
+      if (!std::isfinite(fit.output_std(i, m)) || !std::isfinite(fit.input_std(m, j))) continue;
+      const auto left = 2 + i;
+      const auto right = 2 + p + j;
+      const double variance = inputs(j) * inputs(j) * covariance(left, left) +
+                              outputs(i) * outputs(i) * covariance(right, right) +
+                              2.0 * outputs(i) * inputs(j) * covariance(left, right);
+      square += std::pow(outputs(i) * inputs(j), 2) / std::max(variance, 1e-300);
+      count += 1.0;
+    }
+  }
+  return Constants::doubtful * Constants::doubtful * square > count;
+}
+
 std::string doubt(const ModalFit& fit, Eigen::Index m) {
   const auto& model = fit.model;
   const auto unsure = [](double deviation, double value) {
@@ -21,19 +46,7 @@ std::string doubt(const ModalFit& fit, Eigen::Index m) {
   };
   if (unsure(fit.frequency_std_hz(m), model.frequency_hz(m))) return "its frequency is not known";
   if (unsure(fit.damping_std(m), model.damping_ratio(m))) return "its damping is not known";
-  const auto known = [](const auto& deviation, const auto& shape) {
-    double square = 0.0;
-    double size = 0.0;
-    for (Eigen::Index i = 0; i < shape.size(); ++i) {
-      if (!std::isfinite(deviation(i))) continue;
-      square += deviation(i) * deviation(i);
-      size += shape(i) * shape(i);
-    }
-    return square < Constants::doubtful * Constants::doubtful * size;
-  };
-  const bool shaped = known(fit.output_std.col(m), model.output_shapes.col(m)) &&
-                      known(fit.input_std.row(m), model.input_shapes.row(m));
-  return shaped ? "" : "its shape is not known";
+  return is_shape_known(fit, m) ? "" : "its shape is not known";
 }
 
 // Whether neighbouring lines share what is left: it is no noise.
@@ -83,10 +96,17 @@ void look_at_what_is_left(const ModalFit& fit, const FitData& data, Judgement& j
   const Eigen::ArrayXXd measured = (data.weight.array() > 0.0).cast<double>();
   const Eigen::ArrayXXd wrong =
       (data.value - responses(fit, data.frequency_hz)).cwiseAbs2().array() * measured;
-  const double power = data.value.cwiseAbs2().sum();
-  const double noise = data.weights_are_deviations ? std::pow(noise_of(data), 2) : 0.0;
-  judgement.relative_error = std::sqrt(wrong.sum() / power);
-  judgement.unexplained = std::max(0.0, wrong.sum() - noise) / power;
+  judgement.relative_error = std::sqrt(wrong.sum() / data.value.cwiseAbs2().sum());
+  const Eigen::ArrayXXd noise =
+      data.weights_are_deviations
+          ? Eigen::ArrayXXd(measured / data.weight.array().square().max(1e-300))
+          : Eigen::ArrayXXd::Zero(measured.rows(), measured.cols());
+  // Each response counts by its own power, whatever its unit.
+  const Eigen::ArrayXd power = data.value.cwiseAbs2().colwise().sum().transpose();
+  const Eigen::ArrayXd beyond = (wrong - noise).colwise().sum().transpose();
+  const auto count = static_cast<double>((power > 0.0).count());
+  judgement.unexplained =
+      std::max(0.0, (power > 0.0).select(beyond / power.max(1e-300), 0.0).sum() / count);
   if (judgement.unexplained > Constants::most_unexplained) {
     TextWriter text;
     text << "the modes leave " << 100.0 * judgement.unexplained

@@ -45,7 +45,7 @@ BandResidual band_residual(const FitData& data, const Eigen::MatrixXcd& error, I
                      .noise_stated = data.noise_stated,
                      .freedom_known = data.freedom_known,
                      .noise_freedom = data.noise_freedom,
-                     .shared_lines = data.shared_lines,
+                     .shared_lines = std::min(data.shared_lines, static_cast<double>(count)),
                      .weights_are_deviations = data.weights_are_deviations};
   const auto weight = part.weight.array();
   const Eigen::ArrayXXcd e = error.middleRows(first, count).array();

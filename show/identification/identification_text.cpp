@@ -11,6 +11,7 @@
 #include "show/control_models.h"
 #include "show/figures/stored_curves.h"
 #include "show/identification.h"
+#include "show/identification/complex_text.h"
 #include "show/modes_uff.h"
 #include "show/readable.h"
 #include "show/rigid_body.h"
@@ -70,45 +71,6 @@ io::Json gain_json(const steps::IdentifiedModel& model) {
                         {"alpha_std", io::Json(deviation)},
                         {"by", io::Json::texts(by)},
                         {"pairs", pairs}};
-}
-
-// Phase collinearity of each mode's shapes at the sensors and at the actuators.
-struct Collinearity {
-  Eigen::VectorXd outputs, inputs;
-};
-
-Collinearity collinearity(const identification::ComplexShapes& shapes) {
-  const auto n = shapes.outputs.cols();
-  Collinearity result{Eigen::VectorXd(n), Eigen::VectorXd(n)};
-  for (Eigen::Index m = 0; m < n; ++m) {
-    result.outputs(m) = identification::phase_collinearity(shapes.outputs.col(m));
-    result.inputs(m) = identification::phase_collinearity(shapes.inputs.row(m).transpose());
-  }
-  return result;
-}
-
-io::Json complex_json(const identification::ComplexShapes& shapes) {
-  const auto phases = collinearity(shapes);
-  return io::JsonObject{{"output_real", io::Json::rows(shapes.outputs.real())},
-                        {"output_imaginary", io::Json::rows(shapes.outputs.imag())},
-                        {"output_real_std", io::Json::rows(shapes.output_real_std)},
-                        {"output_imaginary_std", io::Json::rows(shapes.output_imaginary_std)},
-                        {"input_real", io::Json::rows(shapes.inputs.real())},
-                        {"input_imaginary", io::Json::rows(shapes.inputs.imag())},
-                        {"input_real_std", io::Json::rows(shapes.input_real_std)},
-                        {"input_imaginary_std", io::Json::rows(shapes.input_imaginary_std)},
-                        {"output_phase_collinearity", io::Json(phases.outputs)},
-                        {"input_phase_collinearity", io::Json(phases.inputs)}};
-}
-
-std::string complex_table(const identification::ModalFit& fit) {
-  const auto phases = collinearity(*fit.complex);
-  std::string text = fmt::format("\n{:>4} {:>34} {:>24}\n", "mode", "phase collinearity at sensors",
-                                 "at actuators");
-  for (auto m = fit.model.rigid_count; m < fit.model.mode_count(); ++m) {
-    text += fmt::format("{:>4} {:>34.5f} {:>24.5f}\n", m + 1, phases.outputs(m), phases.inputs(m));
-  }
-  return text;
 }
 
 io::Json fit_json(const steps::IdentifiedModel& model) {
@@ -288,6 +250,27 @@ std::string noise_text(const steps::IdentifiedModel& model) {
       percent(steps::noise(model)));
 }
 
+// The delay of all responses, or that of each channel of the side that has its own.
+std::string fitted_delay_text(const steps::IdentifiedModel& model) {
+  const auto& fit = model.found.fit;
+  const auto one = [](double delay, double deviation) {
+    const bool known = std::isfinite(deviation);
+    return known ? fmt::format("{:.2f} +- {} us", 1e6 * delay, deviation_text(1e6 * deviation))
+                 : std::string("not known");
+  };
+  if (fit.channel_delay_s.size() == 0) {
+    return fit.delay_std_s > 0.0 ? "; delay " + one(fit.delay_s, fit.delay_std_s) : "";
+  }
+  const auto& channels =
+      fit.delay_of == identification::DelayOf::outputs ? model.seen.outputs : model.seen.inputs;
+  std::string text = "; delay";
+  for (Eigen::Index c = 0; c < fit.channel_delay_s.size(); ++c) {
+    text += fmt::format("{} {} {}", c > 0 ? "," : "", channels[static_cast<std::size_t>(c)].name,
+                        one(fit.delay_s + fit.channel_delay_s(c), fit.channel_delay_std_s(c)));
+  }
+  return text;
+}
+
 std::string identification_table(const steps::IdentifiedModel& model) {
   const auto& fit = model.found.fit;
   const auto& data = model.data;
@@ -299,10 +282,7 @@ std::string identification_table(const steps::IdentifiedModel& model) {
   if (fit.complex) text += complex_table(fit);
   text += fmt::format("\nresponses off by {} of their size, {}",
                       percent(steps::overall_error(model)), noise_text(model));
-  if (fit.delay_std_s > 0.0) {
-    text += fmt::format("; delay {:.2f} +- {} us", 1e6 * fit.delay_s,
-                        deviation_text(1e6 * fit.delay_std_s));
-  }
+  text += fitted_delay_text(model);
   const std::string noise_is = data.noise_known               ? ""
                                : !data.weights_are_deviations ? " (as if the weights were those of "
                                                                 "noise)"

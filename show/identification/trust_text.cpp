@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -20,23 +20,37 @@ std::string response_name(const steps::IdentifiedModel& model, Eigen::Index e) {
          model.seen.inputs[static_cast<std::size_t>(e / p)].name;
 }
 
-// Lists the outlying responses line by line, the worst first.
+// The outlying values of each line, the worst first; so are the lines.
+std::vector<std::vector<identification::OutlyingValue>> outlying_lines(
+    std::vector<identification::OutlyingValue> values) {
+  std::ranges::stable_sort(values, std::ranges::greater(),
+                           &identification::OutlyingValue::residual);
+  std::vector<std::vector<identification::OutlyingValue>> lines;
+  for (const auto& value : values) {
+    const auto same =
+        std::ranges::find(lines, value.line, [](const auto& line) { return line.front().line; });
+    if (same == lines.end()) {
+      lines.push_back({value});
+    } else {
+      same->push_back(value);
+    }
+  }
+  return lines;
+}
+
 std::string outlying_text(const steps::IdentifiedModel& model) {
-  std::map<Eigen::Index, std::vector<identification::OutlyingValue>> lines;
-  for (const auto& one : model.judgement.outlying) lines[one.line].push_back(one);
+  const auto lines = outlying_lines(model.judgement.outlying);
   std::string text;
   std::size_t count = 0;
-  for (auto& [line, values] : lines) {
+  for (const auto& values : lines) {
     if (count++ == kMostLines) {
       text += fmt::format("  and {} more lines\n", lines.size() - kMostLines);
       break;
     }
-    std::stable_sort(values.begin(), values.end(),
-                     [](const auto& a, const auto& b) { return a.residual > b.residual; });
     const auto& worst = values.front();
     text += fmt::format(
         "  outlying at {:.6g} Hz: {} by {:.3g} deviations ({:.2g} beside it){}\n",
-        model.data.frequency_hz(line), response_name(model, worst.response), worst.residual,
+        model.data.frequency_hz(worst.line), response_name(model, worst.response), worst.residual,
         worst.neighbours,
         values.size() > 1 ? fmt::format(", and {} more responses", values.size() - 1) : "");
   }

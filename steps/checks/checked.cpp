@@ -7,11 +7,13 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "host/shell_word.h"
 #include "stage/faces.h"
 #include "stage/forecast.h"
 #include "stage/points_on_body.h"
 #include "stage/solution.h"
 #include "steps/interpolation.h"
+#include "steps/simulated.h"
 #include "study/problems.h"
 
 namespace chladni::steps {
@@ -83,6 +85,16 @@ void require_named_study(const study::Study& study, const study::DataFile& file,
   }
 }
 
+// The command that writes a measured file of this study; empty where another one does.
+std::string command_that_writes(const study::Study& study, const study::DataFile& file) {
+  const bool recordings = study.experiment->leaves_time;
+  const auto command = "chladni simulate " + shell_word(study.file.string());
+  if (file.key == "measurement.frf") return recordings ? "" : command;
+  const bool is_left = recordings && file.path.filename() == kRecordingsFile;
+  if (file.key != "measurement.time" || !is_left) return "";
+  return command + " -o " + shell_word(file.path.parent_path().string());
+}
+
 // Reports named files that do not exist, and studies that cannot be meant. For a file that
 // `simulate` will write there is only a note.
 void look_for_files(const study::Study& study, stage::Work& work) {
@@ -92,8 +104,9 @@ void look_for_files(const study::Study& study, stage::Work& work) {
     const bool to_come = study.experiment && !std::filesystem::exists(file.path) &&
                          (file.key == "measurement.frf" || file.key == "measurement.time");
     if (to_come) {
-      work.note(file.key + " \"" + file.path.filename().string() +
-                "\" is not there yet: chladni simulate writes it");
+      const auto command = command_that_writes(study, file);
+      work.note(fmt::format("{} \"{}\" is not there yet{}", file.key, file.path.filename().string(),
+                            command.empty() ? "" : ": " + command + " writes it"));
     } else if (!fault.empty()) {
       problems.add(file.line, file.column, fault);
     } else if (names_study(file)) {

@@ -16,6 +16,7 @@
 #include "identification/fit_data.h"
 #include "identification/identified.h"
 #include "identification/trust.h"
+#include "modal/stated_variances.h"
 #include "steps/identification.h"
 
 namespace chladni::steps {
@@ -25,12 +26,6 @@ using Eigen::Index;
 
 constexpr Index kFarModes = 3;  // of a suspension and a frame
 constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
-
-// True if some variance is above 0: zeros are none.
-bool states_variances(const modal::FrfSet& set) {
-  return std::ranges::any_of(set.variance,
-                             [](const auto& line) { return (line.array() > 0.0).any(); });
-}
 
 // Takes variances from the weights of a fit to the same data where `lacks` says so of a finite
 // value, whose variance is 0. What these take for not measured is so here. Returns their number.
@@ -98,7 +93,7 @@ void complete_variances(modal::FrfSet& set, stage::Work& work) {
 // Estimates variances that the file does not state from the scatter of the lines.
 void state_variance(MeasuredFrfs& measured, stage::Work& work) {
   auto& set = measured.all;
-  measured.variance_stated = states_variances(set);
+  measured.variance_stated = modal::states_variances(set);
   if (measured.variance_stated) {
     complete_variances(set, work);
     return;
@@ -183,7 +178,9 @@ std::optional<identification::ModalFit> modes_of(const modal::FrfSet& seen, bool
   try {
     identification::FitDataOptions how;
     if (!variance_stated) how.model_error = kAssumedModelError;
-    return fitted_modes(identification::fit_data(seen, how), study);
+    auto data = identification::fit_data(seen, how);
+    if (!variance_stated) data.error_share = 1.0;  // of the scatter that stands for the noise, too
+    return fitted_modes(data, study);
   } catch (const InvalidInput& e) {
     return none(e);
   } catch (const NumericalFailure& e) {

@@ -120,6 +120,24 @@ void note_modes(const study::ExperimentPlan& plan, double asked, double last, bo
   }
 }
 
+// Factor by which its own dynamics raise such a mode at the end of the band, that is told.
+constexpr double kFlankTold = 1.5;
+
+// A mode above half the sample rate that only yields statically is missed near the end of the band.
+void note_flank(const study::ExperimentPlan& plan, const Eigen::VectorXd& all_hz,
+                const Eigen::VectorXd& kept_hz, Bench& bench) {
+  if (kept_hz.size() >= all_hz.size()) return;
+  const double next = all_hz(kept_hz.size());
+  const double high = bench.plan.multisine.high_hz;
+  const double grows = 1.0 / (1.0 - std::pow(high / next, 2));
+  if (grows < kFlankTold) return;
+  bench.notes.push_back(fmt::format(
+      "the mode at {:.6g} Hz, above half the sample rate, only yields statically: at {:.6g} Hz, "
+      "the end of the band, its part is {:.2g} times too small; sample_rate = \"{:.3g} Hz\" or "
+      "more has its resonance",
+      next, high, grows, 2.5 * next));
+}
+
 // The structure has no fewer modes than a diagnosis takes. Those beyond what the study asks for do
 // not fold back: above half the sample rate they only yield statically.
 void set_structure(const study::Study& study, stage::Work& work, Bench& bench) {
@@ -144,6 +162,7 @@ void set_structure(const study::Study& study, stage::Work& work, Bench& bench) {
                       "expected controlled = [...] and a bandwidth",
                       model.rigid_count));
   note_modes(plan, asked, last_of(all.frequency_hz), folds, bench);
+  note_flank(plan, all.frequency_hz, model.frequency_hz, bench);
   if (!plan.controlled.empty()) set_loop(study, model, bench);
 }
 

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "diagnosis/effect.h"
 #include "host/folder.h"
+#include "host/shell_word.h"
 #include "steps/extend/extension.h"
 #include "study/extends.h"
 
@@ -29,7 +30,17 @@ void lead_paths(study::TomlEdit& edit, const fs::path& file, const fs::path& fol
   if (files.empty()) return;
   edit.append_comment(
       fmt::format("Its files lie with the study that was diagnosed: --allow-outside {}",
-                  fs::weakly_canonical(from).string()));
+                  shell_word(fs::weakly_canonical(from).string())));
+}
+
+// The causes came after the reference was measured: beside a model that has them it would tell them
+// a second time.
+void leave_out_reference(study::TomlEdit& edit, const study::Study& study) {
+  if (!study.measurement || study.measurement->reference.empty()) return;
+  const auto* measurement = study::member(edit.tree(), "measurement");
+  if (measurement == nullptr || measurement->members.empty()) return;
+  edit.set(*measurement, measurement->members.front().key, "reference", "\"\"",
+           "the causes below have come since it was measured");
 }
 
 bool is_exchange(const diagnosis::Cause& cause) {
@@ -88,7 +99,10 @@ ExtendedStudy extended_study(std::string_view bytes, const fs::path& file,
     result.text = edit.text();
     if (is_of_size(cause)) growth = (1.0 + growth) * (1.0 + by.number("relative")) - 1.0;
   }
-  static_cast<void>(study::parse_study(result.text, file, allowed));
+  const auto extended = study::parse_study(result.text, file, allowed);
+  study::TomlEdit reference(result.text, file.string());
+  if (result.unexpressed.size() < causes.size()) leave_out_reference(reference, extended);
+  result.text = reference.text();
   study::TomlEdit edit(result.text, file.string());
   lead_paths(edit, file, folder);
   result.text = edit.text();

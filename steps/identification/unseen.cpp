@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "base/interrupt.h"
@@ -98,6 +100,29 @@ FitData data_of(const study::Study& study, const IdentifiedModel& model,
   }
 }
 
+// The responses that a second record has and the fit has not: what it says of them is a guess.
+std::vector<Eigen::Index> untold_responses(const FitData& fitted, const FitData& second) {
+  std::vector<Eigen::Index> untold;
+  for (Eigen::Index e = 0; e < second.response_count(); ++e) {
+    const bool is_new = fitted.weight.col(e).isZero(0.0) && !second.weight.col(e).isZero(0.0);
+    if (is_new) untold.push_back(e);
+  }
+  return untold;
+}
+
+void note_untold(const IdentifiedModel& model, const FitData& data, const std::string& file,
+                 stage::Work& work) {
+  const auto untold = untold_responses(model.data, data);
+  if (untold.empty()) return;
+  std::vector<std::string> names;
+  for (const auto e : untold) {
+    names.push_back(model.seen.outputs[static_cast<std::size_t>(e % data.outputs)].name + "/" +
+                    model.seen.inputs[static_cast<std::size_t>(e / data.outputs)].name);
+  }
+  work.note(fmt::format("{}: responses that {} lacks are left out of its score: {}", file,
+                        model.measured.file, fmt::join(names, ", ")));
+}
+
 std::nullopt_t without_parts(const std::exception& failure, stage::Work& work) {
   work.note(std::string("nothing is left out in turn: a fit without one part fails: ") +
             failure.what());
@@ -139,7 +164,7 @@ std::optional<SecondRecord> read_second_record(const study::Study& study,
                       .set = in_band(set, model.data, file),
                       .added_decay = measured.added_decay,
                       .left = {}};
-  static_cast<void>(data_of(study, model, second));  // refuses what cannot be used
+  note_untold(model, data_of(study, model, second), file, work);  // refuses what cannot be used
   return second;
 }
 
@@ -147,6 +172,10 @@ void score_second_record(const study::Study& study, IdentifiedModel& model) {
   if (!model.second_record) return;
   auto& second = *model.second_record;
   auto data = data_of(study, model, second);
+  for (const auto e : untold_responses(model.data, data)) {
+    data.weight.col(e).setZero();
+    data.value.col(e).setZero();
+  }
   const auto fit = with_decay(model.found.fit, second.added_decay);
   const Eigen::MatrixXcd predicted = identification::responses(fit, data.frequency_hz);
   if (second.set.variance.empty()) data = reweighted_data(study, model, data, predicted);

@@ -157,10 +157,10 @@ Eigen::VectorXd held_out_frf_errors(const Interpolated& result,
     double wrong = 0.0;
     double size = 0.0;
     for (std::size_t k = 0; k < real.value.size(); ++k) {
-      const Eigen::RowVectorXcd measured_line = real.value[k].row(0);
-      if (!measured_line.allFinite()) continue;
-      wrong += (responses.value[k].row(c) - measured_line).squaredNorm();
-      size += measured_line.squaredNorm();
+      const Eigen::ArrayXcd measured_line = real.value[k].row(0).transpose();
+      const Eigen::ArrayXcd predicted_line = responses.value[k].row(c).transpose();
+      wrong += measured_line.isFinite().select((predicted_line - measured_line).abs2(), 0.0).sum();
+      size += measured_line.isFinite().select(measured_line.abs2(), 0.0).sum();
     }
     errors(c) = std::sqrt(wrong / size);
   }

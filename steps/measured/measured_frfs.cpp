@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "io/frf_file.h"
+#include "modal/stated_variances.h"
 #include "stage/channel_paths.h"
 #include "steps/identification.h"
 #include "steps/measured/measured_channels.h"
@@ -143,6 +144,7 @@ MeasuredFrfs measured_frfs(const study::Study& study, stage::Work& work, bool wi
   MeasuredFrfs result;
   result.file = path.string();
   result.all = on_channels(study, set, matched, result.file);
+  if (!modal::states_variances(result.all)) result.all.variance.clear();  // zeros state none
   result.quality = std::move(recorded.quality);
   result.added_decay = recorded.added_decay;
   result.folds = std::move(recorded.folds);

@@ -55,7 +55,7 @@ diagnosis::Tolerances read_tolerances(const std::filesystem::path& file) {
           file.string() + " is a folder; expected a file such as tolerances.toml");
   const TomlNode tree = parse_toml(read_whole(file, kLargestFile), file.string());
   Problems problems(file.string());
-  TableReader root(tree, "", problems);
+  TableReader root(tree, "", problems, "the file of tolerances");
   const auto result = tolerances_of(root);
   problems.throw_if_any();
   return result;

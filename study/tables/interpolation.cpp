@@ -43,11 +43,11 @@ void read_modes(TableReader& table, const StudyFolder& folder, MeasurementPlan& 
   }
 }
 
-// Modes measured before those of `modes`.
+// Modes measured before those of `modes`; "": none, where the study that this one extends has some.
 void read_reference(TableReader& table, const StudyFolder& folder, MeasurementPlan& plan,
                     Study& study) {
   const TomlNode* node = table.find("reference");
-  if (node == nullptr) return;
+  if (node == nullptr || (node->kind == TomlNode::Kind::text && node->text.empty())) return;
   plan.reference = read_path(table, folder, "reference", study, source_text(plan));
   if (plan.modes_file.empty()) {
     table.wrong(*node,

@@ -96,6 +96,7 @@ std::string in_accelerations(std::string text) {
 // Sampled accelerations folded back what lies above half the sample rate, and forces reached them
 // through the flexibility in series with a dashpot.
 TEST_F(Compare, TakesAccelerationsOfItsOwnForThoseOfTheStudy) {
+  EVERY_FOURTH_LANDING();
   const auto damped = in_accelerations(plate(std::string(kMass) + R"([[attachment]]
 kind = "spring"
 name = "cord"

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "app/command.h"
+#include "rotation/turn.h"
 #include "show/diagnosis.h"
 #include "steps/diagnosis.h"
 #include "tests/app/quiet_run.h"
@@ -29,6 +30,7 @@ void expect_near(const diagnosis::Cause& cause, const std::string& name, double 
 }
 
 TEST(HiddenStory, IsNamedWithItsPlaceItsMassAndWhatItGains) {
+  EVERY_FOURTH_LANDING();
   const auto file =
       std::filesystem::path(CHLADNI_SOURCE_DIR) / "models/oat/with_hidden_effect/study.toml";
   const TestFolder folder("hidden_story");

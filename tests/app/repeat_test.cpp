@@ -48,6 +48,7 @@ TEST_F(Repeats, TwentyRunsGiveTheSameBytes) {
 }
 
 TEST_F(Repeats, TheOatTableTwice) {
+  EVERY_FOURTH_LANDING();
   const std::string file = CHLADNI_SOURCE_DIR "/models/oat/minimal/study.toml";
   const auto first = study(file);
   EXPECT_GE(first.size(), 8U);

@@ -11,6 +11,7 @@
 #include "base/draw.h"
 #include "base/error.h"
 #include "diagnosis/calibrated_responses.h"
+#include "diagnosis/modes/calibration/constants_told.h"
 #include "diagnosis/modes/recorded_modes.h"
 #include "diagnosis/small_plate.h"
 #include "rotation/turn.h"
@@ -129,6 +130,20 @@ TEST(ConstantsFitted, AreAtTheirStartWhereTheirDeviationIsZero) {
   };
   EXPECT_TRUE(stiffness(0.0).isApprox(stiffness(1e-9), 1e-9));
   EXPECT_FALSE(stiffness(0.0).isApprox(state_of(plate).stiffness, 1e-3));
+}
+
+// A constant that the data do not determine has the study's value, wherever the fit left it.
+TEST(ConstantsFitted, KeepTheStudysValueWhereNothingDeterminesThem) {
+  const auto constants = held({modulus_within(0.1)});
+  const double width = constants.front().width;
+  Diagnosis diagnosis;
+  tell_constants(constants, VectorXd::Constant(1, std::log(0.9)),
+                 Eigen::MatrixXd::Constant(1, 1, width * width), diagnosis);
+  ASSERT_EQ(diagnosis.constants.size(), 1U);
+  const auto& told = diagnosis.constants.front();
+  EXPECT_FALSE(told.determined);
+  EXPECT_EQ(told.value, told.of_study);
+  EXPECT_NEAR(told.std, told.prior * told.of_study, 1e-12 * told.of_study);
 }
 
 TEST(ConstantsFitted, HaveTheDeviationsOfTheFit) {

@@ -139,6 +139,15 @@ TEST(Modes, RefuseAStiffnessThatGivesEnergy) {
                "the stiffness matrix is not positive semidefinite");
 }
 
+// Squares of motions of 1e-170 are 0: all directions vanished, and the program with them.
+TEST(Modes, RefuseConstantsBeyondTheRangeOfNumbers) {
+  auto system = chains(1, 400);
+  system.stiffness.coeffRef(200, 200) += 1e2;
+  system.stiffness *= 1e170;
+  system.rigid.resize(400, 0);
+  EXPECT_THROW((void)modes(system, {.count = 3}), NumericalFailure);
+}
+
 TEST(Modes, RefuseARigidMotionThatIsNone) {
   auto system = chains(1, 40);
   system.stiffness.coeffRef(20, 20) += 1e4;

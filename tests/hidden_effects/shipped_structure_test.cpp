@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "rotation/turn.h"
 #include "simulators/hidden/hidden_effect.h"
 #include "simulators/rigs/real_body.h"
 
@@ -46,6 +47,7 @@ class ShippedRealBody : public testing::TestWithParam<std::string> {};
 // The truth of a disc and an L is a thin plate, up to 1.8 % from the solid; the coils of a strip
 // differ.
 TEST_P(ShippedRealBody, HasTheModesOfTheTruth) {
+  EVERY_FOURTH_LANDING();
   const auto body = simulators::real_body(GetParam());
   const auto made = shipped(body.rig);
   const auto& truth = simulators::believed_modes(body);

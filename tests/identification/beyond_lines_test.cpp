@@ -24,7 +24,7 @@ constexpr Index kWithin = 7;
 
 // 60 modes of random shapes, as dense as those of a beam (n²) or of a plate (n), seven of them
 // below the last line.
-modal::ReducedModel many_modes(const std::string& body, unsigned seed) {
+modal::ReducedModel many_modes(const std::string& body, unsigned seed, Index inputs = 2) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   modal::ReducedModel model;
@@ -39,16 +39,16 @@ modal::ReducedModel many_modes(const std::string& body, unsigned seed) {
         Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return normal(random); }));
   };
   model.output_shapes = shapes(3, kModes);
-  model.input_shapes = shapes(kModes, 2);
+  model.input_shapes = shapes(kModes, inputs);
   model.input_shapes.col(0) = model.output_shapes.row(0).transpose();  // a collocated pair
-  model.residual = Eigen::MatrixXd::Zero(3, 2);
+  model.residual = Eigen::MatrixXd::Zero(3, inputs);
   return model;
 }
 
 modal::FrfSet record(const modal::ReducedModel& truth, double noise, unsigned seed) {
   simulators::FrfGrid grid;
   grid.outputs = Eigen::MatrixX3d::Random(3, 3);
-  grid.inputs = Eigen::MatrixX3d::Random(2, 3);
+  grid.inputs = Eigen::MatrixX3d::Random(truth.input_shapes.cols(), 3);
   grid.inputs.row(0) = grid.outputs.row(0);
   const double last = 0.5 * (truth.frequency_hz(kWithin - 1) + truth.frequency_hz(kWithin));
   grid.frequency_hz = Eigen::VectorXd::LinSpaced(1200, 0.4 * truth.frequency_hz(0), last);
@@ -126,6 +126,37 @@ TEST_P(ModesAbove, NeedNotEveryResponse) {
   const auto seen = within(truth, found.fit, data);
   EXPECT_EQ(seen.count, kWithin);
   EXPECT_LT(seen.error, 1e-4);
+}
+
+// The same with two modes nearer to each other than half a bandwidth and alike in shape.
+modal::ReducedModel with_near_pair(const std::string& body, unsigned seed) {
+  constexpr Index kFirst = 4, kSecond = 5;
+  constexpr double kAlike = 0.98, kOther = 0.19899749;  // of one shape in the other: 1 in squares
+  auto model = many_modes(body, seed, 6);
+  model.frequency_hz(kFirst) = 0.996 * model.frequency_hz(kSecond);
+  model.output_shapes.col(kFirst) =
+      kAlike * model.output_shapes.col(kSecond) + kOther * model.output_shapes.col(kFirst);
+  model.input_shapes.row(kFirst) =
+      kAlike * model.input_shapes.row(kSecond) + kOther * model.input_shapes.row(kFirst);
+  return model;
+}
+
+// A model error of 0.3 % that a study states counted as all of what is left, noise of 10 % or not:
+// a mode had to take 2 % of it. Of 24 such records 8 had one mode for the pair, and on others a fit
+// with a mode above the lines in place of one of the pair counted as good: on the wafer table the
+// pair at 1221.7 and 1227.7 Hz was told as 1226.6 and 1227.1 Hz.
+TEST_P(ModesAbove, LeaveAPairNearerThanItsBandwidth) {
+  for (const unsigned seed : {3U, 6U}) {
+    const auto truth = with_near_pair(GetParam(), seed);
+    const auto data = fit_data(record(truth, 0.1, seed), {.model_error = 0.003});
+    EXPECT_LT(data.error_share, 0.2);
+    const auto found = identified(data).fit.model.frequency_hz;
+    const double apart = truth.frequency_hz(5) - truth.frequency_hz(4);
+    for (const Index n : {4, 5}) {
+      const double error = (found.array() - truth.frequency_hz(n)).abs().minCoeff();
+      EXPECT_LT(error, 0.2 * apart) << seed << ", mode " << n;
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Bodies, ModesAbove, testing::Values("beam", "plate"),

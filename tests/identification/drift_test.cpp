@@ -130,6 +130,40 @@ TEST(Drift, IsNotTakenForModes) {
   }
 }
 
+// Resonances of one sensor that lie far from the others' look like modes of their own, and a fit
+// with twice the modes always leaves a little less.
+TEST(Drift, OfOneSensorIsNoModesHoweverLarge) {
+  modal::ReducedModel truth;
+  truth.frequency_hz = Eigen::Vector4d(33.0, 93.0, 184.0, 300.0);
+  truth.damping_ratio = Eigen::Vector4d(0.008, 0.006, 0.01, 0.007);
+  Draw draw(1);
+  truth.output_shapes = Eigen::MatrixXd::NullaryExpr(3, 4, [&] { return draw.normal(); });
+  truth.input_shapes = truth.output_shapes.topRows(2).transpose();
+  truth.residual = Eigen::MatrixXd::Zero(3, 2);
+  const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(781, 10.0, 400.0);
+  const auto still = modal::frf(truth, lines);
+  for (const double by : {2e-3, 4e-3, 8e-3}) {
+    const auto moved = modal::frf(truth, lines / (1.0 + by));
+    auto set = part(simulators::beam5x3(), {0, 1, 4}, {0, 1}).measured;
+    set.frequency_hz = lines;
+    set.value = still.value;
+    set.variance.clear();
+    set.noise_variance.clear();
+    double size = 0.0;
+    for (const auto& value : still.value) size += value.cwiseAbs().mean() / 781.0;
+    for (std::size_t k = 0; k < set.value.size(); ++k) {
+      set.value[k].row(2) = moved.value[k].row(2);
+      for (auto& value : set.value[k].reshaped()) {
+        const double real = draw.normal();
+        value += 0.007 * size * std::complex<double>(real, draw.normal());
+      }
+    }
+    const auto found = identified(fit_data(set, {.model_error = 0.01}));
+    EXPECT_TRUE(found.drift) << by;
+    EXPECT_EQ(found.fit.model.mode_count(), 4) << by;
+  }
+}
+
 TEST(Drift, IsNotSeenWhereThereIsNone) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const auto made = moved_beam(0.0, seed);

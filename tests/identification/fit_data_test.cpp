@@ -117,6 +117,26 @@ TEST(FitData, WeighsByTheInverseMagnitudeDownToTheCutOff) {
   }
 }
 
+// The part that the model's own error has of the squared deviations: less the more noise there is.
+TEST(FitData, TellsThePartOfTheModelsError) {
+  auto set = simulators::beam5x3().measured;
+  EXPECT_EQ(fit_data(set).error_share, 0.0);
+  const double error = 0.01;
+  const auto data = fit_data(set, {.model_error = error});
+  double expected = 0.0;
+  for (std::size_t k = 0; k < set.value.size(); ++k) {
+    const Eigen::ArrayXXd allowed = error * error * set.value[k].array().abs2();
+    expected += (allowed / (allowed + set.variance[k].array())).mean();
+  }
+  expected /= static_cast<double>(set.value.size());
+  EXPECT_NEAR(data.error_share, expected, 0.02);  // there the size is not smoothed
+  EXPECT_LT(fit_data(set, {.model_error = 0.1 * error}).error_share, data.error_share);
+  set.averages = 2.0;  // too few for more than proportions
+  EXPECT_EQ(fit_data(set, {.model_error = error}).error_share, 1.0);
+  set.variance.clear();
+  EXPECT_EQ(fit_data(set, {.model_error = error}).error_share, 1.0);
+}
+
 TEST(FitData, IsTheSameFromAnyKindOfResponse) {
   const auto set = simulators::beam5x3().measured;
   const auto direct = fit_data(set);

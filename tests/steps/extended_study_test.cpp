@@ -35,6 +35,17 @@ TEST(ExtendedStudy, KeepsCommentsAndNamesTheCause) {
       << text;
 }
 
+// Beside a reference that was measured before the cause, a model that has the cause found it again.
+TEST(ExtendedStudy, HasNoReferenceFromBeforeItsCauses) {
+  auto text = kStudy;
+  const std::string frf = "frf = \"measured.uff\"";
+  text.replace(text.find(frf), frf.size(), "modes = \"after.csv\"\nreference = \"before.csv\"");
+  EXPECT_EQ(study::parse_study(text, kFile).measurement->reference.filename(), "before.csv");
+  const auto with = extended({cause("youngs_modulus", {{"relative", 0.02}})}, text);
+  EXPECT_TRUE(read(with).measurement->reference.empty()) << with.text;
+  EXPECT_EQ(extended({}, text).text, text);
+}
+
 TEST(ExtendedStudy, ScalesTheBody) {
   const auto study = read(extended(
       {cause("youngs_modulus", {{"relative", -0.1}}), cause("density", {{"relative", 0.05}}),

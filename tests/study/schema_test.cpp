@@ -170,6 +170,7 @@ TEST(Schema, SaysWhatIsWrongWithATableAndWhere) {
   says("title = 3", "", "plate.toml:1:9: title is the number 3; expected a text that is not empty");
   says("extends = 3", "", "plate.toml:1:11: extends is the number 3, expected the file of a study");
   says("titel = \"a\"", "", "plate.toml:1:1: unknown key \"titel\" in the study; did you mean");
+  says("extend = \"a.toml\"", "", "unknown key \"extend\" in the study; did you mean \"extends\"?");
   says("", "[[support]]\nfixed = \"z\"\n", "plate.toml:8:1: support[0] lacks \"patch\"");
   says("", "[[support]]\npatch = \"top\"\nfixed = \"zw\"\n",
        "plate.toml:10:9: support[0].fixed is \"zw\"; expected some of the letters x, y and z");

@@ -127,7 +127,8 @@ TEST(StudyDiagnosis, TolerancesMayHaveAFileBesideTheStudy) {
   } catch (const InvalidInput& e) {
     const std::string said = e.what();
     EXPECT_NE(said.find("mine.toml:2:8"), std::string::npos) << said;
-    EXPECT_NE(said.find("did you mean \"position\""), std::string::npos) << said;
+    EXPECT_NE(said.find("in the file of tolerances; did you mean \"position\""), std::string::npos)
+        << said;
     EXPECT_NE(said.find("a time such as"), std::string::npos) << said;
     EXPECT_NE(said.find("diagnosis.tolerances"), std::string::npos) << said;
   }

@@ -54,6 +54,13 @@ TEST(ParetoFront, DoesNotMindTheOrderOrTheScale) {
   for (std::size_t i = 0; i < front.size(); ++i) EXPECT_EQ(front[i], again[front.size() - 1 - i]);
 }
 
+// A frequency that is higher by a rounding error does not make up for more mass.
+TEST(ParetoFront, TakesARoundingErrorForNoGain) {
+  Eigen::MatrixXd values(2, 2);
+  values << 634.7158623572111, -1.964, 634.7158623576873, -1.994;
+  EXPECT_EQ(pareto_front(values), std::vector<bool>({true, false}));
+}
+
 TEST(ParetoFront, LeavesOutWhatHasNoValue) {
   MatrixXd values(3, 2);
   values << 1.0, 1.0, std::numeric_limits<double>::quiet_NaN(), 9.0, 0.0, 2.0;

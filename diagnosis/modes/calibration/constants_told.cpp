@@ -37,7 +37,10 @@ void note_open(const std::vector<HeldConstant>& constants, const MatrixXd& open,
   for (Index i = 0; i < open.rows(); ++i) {
     const auto& name = constants[at(i)].stated.name;
     if (kept(i) > kConstants.not_determined) {
-      diagnosis.constants[at(i)].determined = false;
+      auto& told = diagnosis.constants[at(i)];
+      told.determined = false;
+      told.value = told.of_study;
+      told.std = told.of_study * told.prior;
       alone.push_back(name);
     } else if (open.cols() > 0 && open.row(i).norm() > kConstants.share_told) {
       together.push_back(name);

@@ -164,6 +164,7 @@ class DiagnosedModes : public testing::Test {
 };
 
 TEST_F(DiagnosedModes, FindNothingWhereNothingIsHidden) {
+  EVERY_FOURTH_LANDING();
   for (const unsigned seed : {1U, 2U}) {
     const auto found = diagnosed(study(), measured_with({}, seed), options());
     EXPECT_EQ(found.verdict, Verdict::no_discrepancy) << seed << told(found);

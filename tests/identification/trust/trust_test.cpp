@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <optional>
+#include <random>
 #include <string>
 
 #include "base/error.h"
@@ -69,6 +71,57 @@ TEST(Trust, NeverDoubtsASoundFit) {
   }
 }
 
+// The responses of one sensor times a factor, as in another unit.
+modal::FrfSet in_unit(modal::FrfSet set, Eigen::Index sensor, double factor) {
+  for (std::size_t k = 0; k < set.value.size(); ++k) {
+    set.value[k].row(sensor) *= factor;
+    set.variance[k].row(sensor) *= factor * factor;
+  }
+  return set;
+}
+
+ModalFit in_unit(ModalFit fit, Eigen::Index sensor, double factor) {
+  fit.model.output_shapes.row(sensor) *= factor;
+  fit.model.residual.row(sensor) *= factor;
+  fit.output_std.row(sensor) *= factor;
+  for (auto& covariance : fit.mode_covariance) {
+    covariance.row(2 + sensor) *= factor;
+    covariance.col(2 + sensor) *= factor;
+  }
+  return fit;
+}
+
+// A sensor that is noise alone, or is measured far from most resonances, counts the same in any
+// unit: what is unexplained was that of the largest numbers, 33 % or nothing.
+TEST(Trust, DoesNotTurnOnTheUnitOfASensor) {
+  for (const bool noise : {true, false}) {
+    const auto made = part(simulators::beam5x3({}), {0, 1, 4}, {0, 1});
+    auto set = made.measured;
+    std::mt19937 random(3);
+    std::normal_distribution<double> normal;
+    for (Eigen::Index k = 0; k < set.line_count(); ++k) {
+      auto row = set.value[static_cast<std::size_t>(k)].row(2);
+      const double size = row.cwiseAbs().mean();
+      for (auto& value : row) {
+        if (noise) value = size * std::complex<double>(normal(random), normal(random));
+      }
+      if (!noise && set.frequency_hz(k) < 150.0) row.setConstant(std::nan(""));
+    }
+    Identified found;
+    found.fit = modal_fit(fit_data(set), start_at(made.truth));
+    const auto own = judged(found, fit_data(set), std::nullopt);
+    EXPECT_EQ(own.trust == Trust::none, noise) << told(own);
+    for (const double factor : {1e-6, 1e6}) {
+      Identified scaled;
+      scaled.fit = in_unit(found.fit, 2, factor);
+      const auto other = judged(scaled, fit_data(in_unit(set, 2, factor)), std::nullopt);
+      EXPECT_EQ(other.trust, own.trust) << factor << ": " << told(other) << " / " << told(own);
+      EXPECT_EQ(other.doubtful.size(), own.doubtful.size()) << factor;
+      EXPECT_NEAR(other.unexplained, own.unexplained, 1e-9) << factor;
+    }
+  }
+}
+
 // Weights of 1/|G| are no deviations: nothing of what such a fit leaves is noise.
 TEST(Trust, TakesNoWeightsForNoise) {
   FrfFaults faults;
@@ -81,8 +134,11 @@ TEST(Trust, TakesNoWeightsForNoise) {
     IdentificationOptions options;
     options.rigid_count = 0;
     options.modes = modes;
-    const auto judgement = judged(identified(data, options), data, options);
-    EXPECT_NEAR(judgement.unexplained, std::pow(judgement.relative_error, 2), 1e-12);
+    const auto found = identified(data, options);
+    const auto judgement = judged(found, data, options);
+    const Eigen::ArrayXXd left = (data.value - responses(found.fit, data.frequency_hz)).cwiseAbs2();
+    const Eigen::ArrayXXd all = data.value.cwiseAbs2();
+    EXPECT_NEAR(judgement.unexplained, (left.colwise().sum() / all.colwise().sum()).mean(), 1e-12);
     EXPECT_EQ(judgement.trust == Trust::none, modes == 1) << told(judgement);
   }
 }

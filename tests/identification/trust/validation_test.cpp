@@ -119,6 +119,21 @@ TEST(Validation, AllowsForSampleVariances) {
   EXPECT_NEAR(result.whole.level, 1.0, 4.0 * result.whole.level_deviation);
 }
 
+// One variance of more lines than a band has errs on the lines of the band alone.
+TEST(Validation, ABandSharesNoMoreLinesThanItHas) {
+  auto data = noisy_data(0.05, 6);
+  data.noise_freedom = 6.0;
+  const auto fitted = resonances(data.frequency_hz, 3);
+  data.shared_lines = static_cast<double>(data.line_count());
+  const auto all = validation(data, fitted, kResonances);
+  ASSERT_GT(all.bands.size(), 1U);
+  for (std::size_t b = 0; b < all.bands.size(); ++b) {
+    data.shared_lines = static_cast<double>(all.bands[b].lines);
+    const auto own = validation(data, fitted, kResonances).bands[b];
+    EXPECT_DOUBLE_EQ(all.bands[b].level_deviation, own.level_deviation) << b;
+  }
+}
+
 TEST(ModeIndicator, HasTheSingularValuesOfEachLine) {
   const auto data = noisy_data(0.05, 8);
   const auto values = mode_indicator(data);
